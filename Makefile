@@ -1,0 +1,82 @@
+# Every target makes its own environment in .venv: a machine with python3.11 and its venv module,
+# gcc and make is enough. Another interpreter: make test PYTHON=/path/to/python3.11
+
+PYTHON ?= python3.11
+BIN := .venv/bin
+PIP := $(BIN)/python -m pip -qq --disable-pip-version-check --no-input --retries 10
+STAMP := .venv/.installed
+
+PACKAGES := embedded_sim reality models studies
+PACKAGING := pyproject.toml setup.py constraints.txt
+# The C that people write; cffi's own output (_core.c, _optics.c) is not among it.
+C_FILES := $(shell find embedded_sim reality tests -name '[!_]*.[ch]' 2>/dev/null | sort)
+BUILD_INPUTS := $(filter-out tests/%,$(C_FILES)) \
+    $(wildcard embedded_sim/build_*.py reality/build_*.py)
+CORE_C := $(wildcard embedded_sim/core/*.c)
+CORE_H := $(wildcard embedded_sim/core/*.h)
+
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := help
+.PHONY: help demo test lint bench asan blind clean
+
+help: ## show this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-7s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+demo: $(STAMP) ## the whole story in a few minutes; report in out/demo
+	$(BIN)/realitygap demo --out out/demo --force
+
+test: $(STAMP) ## the tests, in parallel, without the slow and the blind ones
+	$(BIN)/python -m pytest -n auto tests
+
+lint: $(STAMP) ## style, types, import rules, C formatting
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy $(PACKAGES)
+	$(BIN)/lint-imports
+	$(BIN)/clang-format --dry-run --Werror $(C_FILES)
+
+bench: $(STAMP) ## the benchmarks; numbers in out/bench.json
+	$(BIN)/python -m studies.bench
+
+asan: build/asan/asan_main ## the C core under the address and undefined-behaviour sanitizers
+	./$<
+
+blind: $(STAMP) ## the blind battery; results in out/blind
+	$(BIN)/realitygap blind --out out/blind
+
+clean: ## remove the environment, builds and caches; results in out/ stay
+	rm -rf .venv build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis \
+	    .benchmarks .import_linter_cache
+	rm -f embedded_sim/_core.c embedded_sim/_core*.so reality/_optics.c reality/_optics*.so
+	find $(wildcard $(PACKAGES) tests) -name __pycache__ -type d -prune -exec rm -rf {} +
+
+build/asan/asan_main: tests/embedded_sim/asan_main.c $(CORE_C) $(CORE_H)
+	@mkdir -p $(@D)
+	$(CC) -std=c11 -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all \
+	    -Wall -Wextra -Werror -ffp-contract=off -Iembedded_sim/core $(filter %.c,$^) -o $@ -lm
+
+# A changed packaging file installs anew; changed C only rebuilds the extensions.
+$(STAMP): $(PACKAGING) $(BUILD_INPUTS)
+	$(if $(filter $(PACKAGING),$?),$(install),$(rebuild))
+	@touch $@
+
+define check_python
+import os, sys, sysconfig, ensurepip, venv; \
+sys.exit(sys.version_info[:2] != (3, 11) \
+or not os.path.exists(sysconfig.get_path("include") + "/Python.h"))
+endef
+
+define install
+$(if $(shell $(PYTHON) -c '$(check_python)' >/dev/null 2>&1 || echo bad),$(error $\
+    '$(PYTHON)' is not Python 3.11 with venv and its C headers (pybullet has no wheels for later $\
+    versions); set PYTHON=/path/to/python3.11))
+@echo "Installing into .venv (a few minutes the first time)"
+@$(PYTHON) -m venv --clear .venv
+@$(PIP) install -c constraints.txt setuptools wheel cffi
+@$(PIP) install -c constraints.txt --no-build-isolation -e '.[dev]'
+endef
+
+define rebuild
+@echo "Rebuilding the C extensions"
+@$(BIN)/python setup.py --quiet build_ext --inplace --force
+endef

@@ -1,0 +1,10 @@
+"""The two C extensions; everything else about the distribution is in pyproject.toml."""
+
+from setuptools import setup
+
+setup(
+    cffi_modules=[
+        "embedded_sim/build_core.py:ffibuilder",  # embedded_sim._core
+        "reality/build_optics.py:ffibuilder",  # reality._optics
+    ]
+)
