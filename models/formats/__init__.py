@@ -1,0 +1,1 @@
+"""Lab formats, read into the measured log's table. One module per format."""

@@ -1,0 +1,215 @@
+"""The measured log: what a lab's tracker saw and its robots were told, ready for replay.
+
+What is not a measurement stays unread: of a run's directory only `samples.parquet` is opened.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from embedded_sim import Drive, InputError
+from embedded_sim.model import FloatArray
+from models.schema import (
+    BODY_COMMANDS,
+    KEYS,
+    POSE,
+    UNITS,
+    WHEEL_COMMANDS,
+    check_columns,
+    coerce,
+)
+
+SAMPLES = "samples.parquet"
+GAP_STEPS = 3.5
+"""A stretch ends where rows are missing for longer than this many median steps. Our choice: two
+lost rows are bridged by the last command, more are not."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredLog:
+    """A validated log, sorted by run, robot and time. A segment is one robot in one run."""
+
+    frame: pd.DataFrame
+    """One row per moment; columns of `models.schema`, index 0..rows-1."""
+    start: npt.NDArray[np.int64]
+    """(segments + 1,) first row of each segment, and the row count."""
+    segments: pd.DataFrame
+    """(segments,) `run` and `robot` of each."""
+    commands: FloatArray
+    """(rows, 2) rad/s, left and right, valid from their row's time to the next row's."""
+    tracked: npt.NDArray[np.bool_]
+    """(rows,) whether the row's pose was measured and is not set aside as a tracker failure."""
+    stretch: npt.NDArray[np.int64]
+    """(rows,) which uninterrupted stretch the row belongs to; nothing is concluded across two."""
+    step: float
+    """s, median time between rows."""
+    notes: tuple[str, ...]
+    """Repairs and omissions, counted, in plain words."""
+
+    @property
+    def t(self) -> FloatArray:
+        """(rows,) s."""
+        return self.frame["t"].to_numpy(dtype=np.float64)
+
+    @property
+    def poses(self) -> FloatArray:
+        """(rows, 3) measured x, y (m) and yaw (rad); NaN where not tracked."""
+        return np.ascontiguousarray(self.frame[list(POSE)].to_numpy(dtype=np.float64))
+
+    @property
+    def segment(self) -> npt.NDArray[np.int64]:
+        """(rows,) segment of each row."""
+        return np.repeat(np.arange(len(self.segments)), np.diff(self.start))
+
+
+def read_log(source: Path | str, *, drive: Drive) -> MeasuredLog:
+    """Read a log from a Parquet or CSV file, or from the directory of a run.
+
+    Args:
+        source: `.parquet`, `.csv`, `.csv.gz`, or a directory that holds `samples.parquet`.
+        drive: The nominal geometry, which turns body commands into wheel speeds.
+
+    Raises:
+        InputError: the file cannot be read, or does not hold a usable log.
+    """
+    return make_log(read_table(Path(source)), drive=drive)
+
+
+def read_table(path: Path) -> pd.DataFrame:
+    """The raw table of a log file.
+
+    Raises:
+        InputError: there is no such file, or it is not a table.
+    """
+    if path.is_dir():
+        path = path / SAMPLES
+        if not path.is_file():
+            raise InputError(
+                str(path.parent), f"a directory without {SAMPLES}", "a run with samples"
+            )
+    if not path.is_file():
+        raise InputError("log", path, "an existing .parquet or .csv file, or a run's directory")
+    kind = "".join(path.suffixes[-2:]) if path.suffix == ".gz" else path.suffix
+    try:
+        if kind == ".parquet":
+            return pd.read_parquet(path)
+        if kind in (".csv", ".csv.gz"):
+            return pd.read_csv(path, skipinitialspace=True)
+    except (ValueError, OSError, EOFError, pa.ArrowException) as error:
+        said = (str(error) or type(error).__name__).splitlines()[0][:200]
+        raise InputError(str(path), said, f"a readable {kind} table") from None
+    raise InputError("log", path, "a file ending in .parquet, .csv or .csv.gz")
+
+
+def make_log(frame: pd.DataFrame, *, drive: Drive) -> MeasuredLog:
+    """A measured log from a table with the columns of `models.schema`.
+
+    Raises:
+        InputError: as `read_log`.
+    """
+    notes = [f"column {name} is not read" for name in check_columns(list(frame.columns))]
+    table = coerce(frame)
+    if "run" not in table:
+        table = table.assign(run="run")
+    usable, dropped = _without_holes(table)
+    if dropped.any():
+        notes.append(f"{dropped.sum()} rows without time or command dropped")
+    order = np.lexsort((usable["robot"], usable["run"]))
+    usable, dropped_before = usable.iloc[order].reset_index(drop=True), _after(dropped)[order]
+    start, segments = _segments(usable)
+    t = usable["t"].to_numpy()
+    _check_time(t, start, segments)
+    steps = np.diff(t)
+    inside = np.ones(len(steps), dtype=bool)
+    inside[start[1:-1] - 1] = False
+    if not inside.any():
+        raise InputError("log", f"{len(usable)} rows", "at least two moments of one robot")
+    step = float(np.median(steps[inside]))
+    breaks = ~inside | (steps > GAP_STEPS * step) | dropped_before[1:]
+    gaps = int((inside & breaks).sum())
+    if gaps:
+        notes.append(f"{gaps} gaps in time: nothing is replayed across them")
+    tracked = np.isfinite(usable[list(POSE)].to_numpy()).all(axis=1)
+    if not tracked.all():
+        notes.append(f"{(~tracked).sum()} rows without a measured pose set aside")
+    return MeasuredLog(
+        frame=usable,
+        start=start,
+        segments=segments,
+        commands=wheel_commands(usable, drive),
+        tracked=tracked,
+        stretch=np.concatenate([[0], np.cumsum(breaks)]),
+        step=step,
+        notes=tuple(notes),
+    )
+
+
+def wheel_commands(frame: pd.DataFrame, drive: Drive) -> FloatArray:
+    """(rows, 2) commanded wheel speeds (rad/s); body commands through the nominal geometry."""
+    if set(WHEEL_COMMANDS) <= set(frame.columns):
+        return np.ascontiguousarray(frame[list(WHEEL_COMMANDS)].to_numpy())
+    v, omega = (frame[name].to_numpy() for name in BODY_COMMANDS)
+    turn = 0.5 * drive.axle * omega
+    left, right = drive.wheel_radius
+    return np.column_stack([(v - turn) / left, (v + turn) / right])
+
+
+def _without_holes(table: pd.DataFrame) -> tuple[pd.DataFrame, npt.NDArray[np.bool_]]:
+    """The rows that have a time and a command, and which rows of the table do not."""
+    needed = ["t", *(n for n in (*WHEEL_COMMANDS, *BODY_COMMANDS) if n in table)]
+    hole = table[needed].isna().any(axis=1).to_numpy()
+    if len(table) == 0 or hole.all():
+        raise InputError("log", f"{len(table)} rows, none with time and command", "measured rows")
+    return table[~hole], hole
+
+
+def _after(dropped: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """For each kept row, whether the row before it in the file was dropped."""
+    before = np.concatenate([[False], dropped[:-1]])
+    return before[~dropped]
+
+
+def _segments(frame: pd.DataFrame) -> tuple[npt.NDArray[np.int64], pd.DataFrame]:
+    """First rows and keys of each robot in each run, of a table sorted by both."""
+    keys = frame[list(KEYS)]
+    new = (keys != keys.shift()).any(axis=1).to_numpy()
+    first = np.flatnonzero(new)
+    return np.append(first, len(frame)), keys.iloc[first].reset_index(drop=True)
+
+
+def _check_time(t: FloatArray, start: npt.NDArray[np.int64], segments: pd.DataFrame) -> None:
+    """Refuse time that does not increase within a robot's run."""
+    wrong = np.diff(t) <= 0
+    wrong[start[1:-1] - 1] = False
+    if not wrong.any():
+        return
+    row = int(np.flatnonzero(wrong)[0])
+    who = segments.iloc[int(np.searchsorted(start, row, side="right")) - 1]
+    raise InputError(
+        f"t of robot {who['robot']} in run {who['run']}",
+        f"{t[row + 1]:g} s after {t[row]:g} s ({int(wrong.sum())} such rows)",
+        "time that increases: sort the rows, drop repeated ones, give each robot its own number",
+    )
+
+
+def write_table(frame: pd.DataFrame, path: Path) -> None:
+    """Write a log's table as Parquet, with each column's unit in its field's metadata, or as CSV.
+
+    Raises:
+        InputError: the name ends in neither.
+    """
+    if path.suffix == ".csv":
+        frame.to_csv(path, index=False)
+    elif path.suffix == ".parquet":
+        table = pa.Table.from_pandas(frame, preserve_index=False)
+        fields = [field.with_metadata({"unit": UNITS[field.name]}) for field in table.schema]
+        pq.write_table(table.cast(pa.schema(fields, metadata=table.schema.metadata)), path)
+    else:
+        raise InputError("--out", path.name, "a file ending in .parquet or .csv")

@@ -1,0 +1,190 @@
+"""Model files: what a simulator believes about one kind of robot, its arena and its lamps.
+
+A model file is TOML with the tables `[robot]`, `[arena]`, `[lamps]` and `[sensors]`; only `[robot]`
+must be there. Units are SI, axes REP-103. Robots we ship are known by name (`SHIPPED`).
+"""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from embedded_sim import Drive, InputError, PointModel, Tables
+from embedded_sim.errors import nearest
+from models.tables import load_tables
+
+ROBOTS = Path(__file__).parent / "robots"
+SHIPPED = tuple(sorted(path.stem for path in ROBOTS.glob("*.toml")))
+"""Names of the model files that come with the package."""
+DEFAULT = "epuck"
+
+Length = Annotated[float, Field(gt=0.0, le=100.0, allow_inf_nan=False)]
+"""m; nothing in an arena of wheeled robots is longer than 100 m."""
+Coordinate = Annotated[float, Field(ge=-100.0, le=100.0, allow_inf_nan=False)]
+Sensing = Literal["required", "declared", "ignored"]
+
+
+class _Table(BaseModel):
+    """A table of a model file: immutable, and without unknown keys."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Robot(_Table):
+    """`[robot]`: a body on two wheels."""
+
+    wheel_radius: Length
+    """m."""
+    axle: Length
+    """m between the wheels' ground contacts."""
+    body_radius: Length
+    """m."""
+    wheel_speed_max: Annotated[float, Field(gt=0.0, le=1000.0)]
+    """rad/s; only judges whether a log's commands are plausible: the point model does not clip."""
+
+
+class Circle(_Table):
+    """A circle on the floor."""
+
+    x: Coordinate
+    y: Coordinate
+    radius: Length
+
+
+class Point(_Table):
+    """A place on the floor."""
+
+    x: Coordinate
+    y: Coordinate
+
+
+_NOMINAL = PointModel()
+
+
+class Arena(_Table):
+    """`[arena]`: a circular wall about the origin, the nest, and the food."""
+
+    radius: Length = _NOMINAL.arena_radius
+    nest: Circle = Circle(x=_NOMINAL.nest[0], y=_NOMINAL.nest[1], radius=_NOMINAL.nest[2])
+    food_items: Annotated[int, Field(ge=1, le=32)] = _NOMINAL.food_items
+    food_radius: Length = _NOMINAL.food_radius
+
+
+class Lamps(_Table):
+    """`[lamps]`: where the lamp stands when it is on, by scenario."""
+
+    opposite: Point | None = None
+    at_nest: Point | None = None
+
+
+class Sensors(_Table):
+    """`[sensors]`: the captured tables."""
+
+    tables: Path
+    """An .npz of `realitygap capture`, relative to the model file."""
+
+
+class ModelFile(_Table):
+    """A whole model file."""
+
+    name: Annotated[str, Field(min_length=1)]
+    robot: Robot
+    arena: Arena | None = None
+    """Absent: motion in the open; the wall is not modelled and place means nothing."""
+    lamps: Lamps = Lamps()
+    sensors: Sensors | None = None
+    """Absent: only motion is modelled."""
+
+    def point_model(self, tables: Tables | None = None) -> PointModel:
+        """The constant model that C reads, with captured sensor tables or motion alone."""
+        robot, arena = self.robot, self.arena or Arena()
+        places = (self.lamps.opposite, None, self.lamps.at_nest)
+        opposite, none, at_nest = (None if p is None else (p.x, p.y) for p in places)
+        return PointModel(
+            drive=Drive(wheel_radius=(robot.wheel_radius, robot.wheel_radius), axle=robot.axle),
+            tables=tables,
+            body_radius=robot.body_radius,
+            arena_radius=arena.radius,
+            nest=(arena.nest.x, arena.nest.y, arena.nest.radius),
+            food_items=arena.food_items,
+            food_radius=arena.food_radius,
+            lamps=(opposite, none, at_nest),
+        )
+
+
+def find_model_file(source: Path | str | None = None) -> Path:
+    """The path of a model file given as a path or as the name of a shipped robot.
+
+    Raises:
+        InputError: there is no such file and no such robot.
+    """
+    path = Path(DEFAULT if source is None else source)
+    if path.is_file():
+        return path
+    if str(path) in SHIPPED:
+        return ROBOTS / f"{path}.toml"
+    raise InputError("model", path, f"a model file (.toml) or {nearest(str(path), SHIPPED)}")
+
+
+def read_model_file(source: Path | str | None = None) -> ModelFile:
+    """Read and validate a model file; the default is the shipped e-puck.
+
+    Raises:
+        InputError: no such file, broken TOML, unknown or missing keys, values out of range.
+    """
+    path = find_model_file(source)
+    try:
+        values = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
+        raise InputError(str(path), str(error).splitlines()[0], "readable TOML") from None
+    try:
+        return ModelFile.model_validate(values)
+    except ValidationError as error:
+        raise _first_problem(path, error) from None
+
+
+def load_model(source: Path | str | None = None, *, sensors: Sensing = "required") -> PointModel:
+    """The point model of a model file or shipped robot; the default is the e-puck.
+
+    Args:
+        source: A path, or one of `SHIPPED`.
+        sensors: `required`: captured tables must be there; `declared`: read them if the file names
+            any; `ignored`: motion alone.
+
+    Raises:
+        InputError: the file cannot be used, or its sensor tables are needed and cannot be read.
+    """
+    path = find_model_file(source)
+    model = read_model_file(path)
+    if sensors == "ignored" or (sensors == "declared" and model.sensors is None):
+        return model.point_model()
+    if model.sensors is None:
+        raise InputError(
+            f"{path.name}: sensors", "nothing", 'a table [sensors] with tables = "..."'
+        )
+    return model.point_model(load_tables(path.parent / model.sensors.tables))
+
+
+def _first_problem(path: Path, error: ValidationError) -> InputError:
+    """The first thing wrong with a model file, with the nearest valid key where one is unknown."""
+    first = error.errors()[0]
+    keys = [str(part) for part in first["loc"]]
+    where = f"{path.name}: {'.'.join(keys)}"
+    if first["type"] == "extra_forbidden":
+        return InputError(where, "an unknown key", nearest(keys[-1], _keys_of(keys[:-1])))
+    if first["type"] == "missing":
+        return InputError(where, "nothing", "a value (the key must be there)")
+    return InputError(where, repr(first["input"]), first["msg"].removeprefix("Input should be "))
+
+
+def _keys_of(parents: list[str]) -> list[str]:
+    """Valid keys of a nested table of a model file."""
+    table: Any = ModelFile
+    for parent in parents:
+        annotation = table.model_fields[parent].annotation
+        choices = [annotation, *getattr(annotation, "__args__", ())]
+        table = next(c for c in choices if isinstance(c, type) and issubclass(c, BaseModel))
+    return list(table.model_fields)

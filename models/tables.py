@@ -1,0 +1,84 @@
+"""Captured sensor tables as a file: what a nominal robot's sensors read, by distance and angle.
+
+The file is an uncompressed NumPy archive: one member per field of `Tables`, and `about`, a JSON
+text with the unit and the axes of each. The same arrays give the same bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from embedded_sim import SENSORS, InputError, Tables
+
+ABOUT = {
+    "ps_counts": "counts; sensor (ps0..ps7) x distance (m, ps_range * u^2, u uniform in [0, 1]) "
+    "x incidence (cosine of the angle to the wall's normal, uniform in [0, 1])",
+    "ps_range": "m",
+    "ps_noise": "half width of uniform noise, relative to the reading; sensor (ps0..ps7)",
+    "ps_noise_floor": "counts, half width of uniform noise",
+    "ls_counts": "counts below dark; distance (m, ls_range * u^2, u uniform in [0, 1]) "
+    "x bearing (rad, from the sensor's axis to the lamp, from -pi, uniform on the circle)",
+    "ls_range": "m",
+    "ls_dark": "counts in the dark",
+    "ls_noise": "counts, half width of uniform noise",
+    "counts_max": "counts, largest of the converter",
+}
+"""Unit and axes of each member."""
+DIMENSIONS = {"ps_counts": 3, "ps_noise": 1, "ls_counts": 2}
+"""Dimensions of the members that are not single numbers."""
+SINGLE = ("ps_counts", "ls_counts")
+"""Members kept in single precision, as C reads them."""
+
+
+def save_tables(tables: Tables, path: Path) -> None:
+    """Write captured tables; the same tables give the same bytes."""
+    arrays = {name: np.asarray(getattr(tables, name)) for name in ABOUT}
+    with path.open("wb") as file:
+        np.savez(file, allow_pickle=False, about=np.array(json.dumps(ABOUT)), **arrays)
+
+
+def load_tables(path: Path) -> Tables:
+    """Read captured tables.
+
+    Raises:
+        InputError: there is no such file, it is not such an archive, or its values cannot be used.
+    """
+    if not path.is_file():
+        raise InputError("sensor tables", path, "a file written by `realitygap capture`")
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in ABOUT}
+    except (KeyError, OSError, EOFError, ValueError, zipfile.BadZipFile) as error:
+        said = (str(error) or type(error).__name__).splitlines()[0]
+        raise InputError(str(path), said, "a file written by `realitygap capture`") from None
+    for name, array in arrays.items():
+        _check(path, name, array)
+    singles = {name: np.ascontiguousarray(arrays[name], dtype=np.float32) for name in SINGLE}
+    noise = np.ascontiguousarray(arrays["ps_noise"], dtype=np.float64)
+    numbers = {name: float(array) for name, array in arrays.items() if array.ndim == 0}
+    return Tables(
+        ps_counts=singles["ps_counts"], ls_counts=singles["ls_counts"], ps_noise=noise, **numbers
+    )
+
+
+def _check(path: Path, name: str, array: npt.NDArray[Any]) -> None:
+    """Refuse a member of the wrong kind or shape, or with values no sensor reads."""
+    dimensions = DIMENSIONS.get(name, 0)
+    where = f"{path.name}: {name}"
+    if array.dtype.kind not in "fiu" or array.ndim != dimensions:
+        got = f"{array.dtype} of shape {array.shape}"
+        raise InputError(where, got, f"numbers in {dimensions} dimensions")
+    if name.startswith("ps_") and dimensions and len(array) != SENSORS:
+        raise InputError(where, f"{len(array)} sensors", str(SENSORS))
+    if min(array.shape[-2:], default=2) < 2:
+        raise InputError(where, f"shape {array.shape}", "at least two nodes on every axis")
+    if not np.isfinite(array).all() or (array < 0).any():
+        raise InputError(where, "negative or non-finite values", "finite values >= 0")
+    if name.endswith("_range") and not (array > 0).all():
+        raise InputError(where, float(array), "a range above 0 m")

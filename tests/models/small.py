@@ -1,0 +1,75 @@
+"""Small logs and tables, made by hand, for the tests of `models`."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from embedded_sim import Drive, Tables, replay
+from embedded_sim.model import FloatArray
+
+ROOT = Path(__file__).parents[2]
+
+
+def shared_data(name: str) -> Path:
+    """A folder of real measured logs; the test is skipped where it is absent."""
+    base = Path(os.environ.get("REALITYGAP_DATA", ROOT.parent / "shared" / "data"))
+    if not (base / name).is_dir():
+        pytest.skip(f"needs the measured data {name} (set REALITYGAP_DATA)")
+    return base / name
+
+
+def tables() -> Tables:
+    """Sensors that follow simple laws, on coarse axes."""
+    u = np.linspace(0, 1, 9)
+    distance, cosine = 0.1 * u**2, np.linspace(0, 1, 5)
+    ps = 2000 * np.exp(-distance / 0.02)[None, :, None] * cosine[None, None, :] * np.ones((8, 1, 1))
+    bearing = -np.pi + 2 * np.pi * np.arange(24) / 24
+    ls = 1500 * np.exp(-1.3 * u**2)[:, None] * np.maximum(np.cos(bearing), 0)[None, :]
+    return Tables(
+        ps_counts=ps.astype(np.float32),
+        ps_range=0.1,
+        ps_noise=np.full(8, 0.1),
+        ps_noise_floor=5.0,
+        ls_counts=ls.astype(np.float32),
+        ls_range=1.3,
+        ls_dark=4095.0,
+        ls_noise=10.0,
+    )
+
+
+def random_commands(rng: np.random.Generator, rows: int, hold: int = 20) -> FloatArray:
+    """(rows, 2) rad/s, a new pair every `hold` rows, between -2 and 6."""
+    pairs = rng.uniform(-2, 6, (rows // hold + 1, 2))
+    return np.ascontiguousarray(np.repeat(pairs, hold, axis=0)[:rows])
+
+
+def driven_log(
+    seed: int = 0,
+    *,
+    robots: int = 2,
+    rows: int = 500,
+    step: float = 0.04,
+    drive: Drive | None = None,
+    position_noise: float = 0.0,
+    heading_noise: float = 0.0,
+    t: FloatArray | None = None,
+) -> pd.DataFrame:
+    """A log made by the point model itself in the open, with white tracker noise."""
+    rng = np.random.default_rng(np.random.SeedSequence(seed))
+    times = np.arange(rows) * step if t is None else t
+    parts = []
+    for robot in range(robots):
+        commands = random_commands(rng, rows)
+        start = rng.uniform(-1, 1, (1, 3))
+        poses = replay(times, commands, [0, rows], start, drive=drive or Drive()).poses
+        noise = rng.normal(0, 1, (rows, 3)) * [position_noise, position_noise, heading_noise]
+        x, y, yaw = (poses + noise).T
+        columns = {"run": "a", "robot": robot, "t": times, "x": x, "y": y, "yaw": yaw}
+        left, right = commands.T
+        parts.append(pd.DataFrame({**columns, "cmd_left": left, "cmd_right": right}))
+    return pd.concat(parts, ignore_index=True)

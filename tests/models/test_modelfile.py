@@ -1,0 +1,85 @@
+import numpy as np
+import pytest
+
+from embedded_sim import InputError, PointModel
+from models.modelfile import SHIPPED, load_model, read_model_file
+from models.tables import save_tables
+from tests.models.small import tables
+
+EPUCK = "[robot]\nwheel_radius = 0.02\naxle = 0.05\nbody_radius = 0.03\nwheel_speed_max = 6.0\n"
+
+
+def test_the_default_model_file_says_what_the_point_model_holds_as_nominal():
+    model, nominal = load_model(sensors="ignored"), PointModel()
+    for name in (
+        "drive",
+        "body_radius",
+        "arena_radius",
+        "nest",
+        "food_radius",
+        "food_items",
+        "lamps",
+    ):
+        assert getattr(model, name) == getattr(nominal, name), name
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_every_shipped_robot_loads_without_sensors(name):
+    assert load_model(name, sensors="ignored").drive.axle > 0
+
+
+def test_the_shipped_geometries_are_the_published_ones():
+    axles = {name: load_model(name, sensors="ignored").drive.axle for name in SHIPPED}
+    assert axles == {"epuck": 0.053, "optiodom": 0.2, "create": 0.258, "khepera3": 0.0885}
+
+
+def test_motion_of_a_model_with_missing_tables_can_be_used_but_its_sensors_cannot(tmp_path):
+    path = tmp_path / "m.toml"
+    path.write_text('name = "m"\n' + EPUCK + '[sensors]\ntables = "none.npz"\n')
+    assert load_model(path, sensors="ignored").tables is None
+    with pytest.raises(InputError, match=r"none\.npz"):
+        load_model(path)
+
+
+def test_tables_are_found_relative_to_the_model_file(tmp_path):
+    (tmp_path / "captured").mkdir()
+    save_tables(tables(), tmp_path / "captured" / "t.npz")
+    path = tmp_path / "m.toml"
+    path.write_text('name = "m"\n' + EPUCK + '[sensors]\ntables = "captured/t.npz"\n')
+    loaded = load_model(path).tables
+    assert loaded is not None
+    assert np.array_equal(loaded.ps_counts, tables().ps_counts)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ('name = "m"\n' + EPUCK + "axel = 0.1\n", "axle"),
+        ('name = "m"\nrobto = 1\n' + EPUCK, "robot"),
+        ('name = "m"\n', "robot"),
+        ('name = "m"\n' + EPUCK.replace("0.05", "-1"), "axle"),
+        ('name = "m"\n' + EPUCK.replace("0.05", "nan"), "axle"),
+        ('name = "m"\n' + EPUCK.replace("0.05", '"wide"'), "axle"),
+        ('name = "m"\n' + EPUCK + "[arena]\nnest = { x = 0, y = 0, raduis = 1 }\n", "radius"),
+        ('name = "m"\n' + EPUCK + "[arena]\nfood_items = 99\n", "food_items"),
+        ("name = [", "TOML"),
+    ],
+)
+def test_a_broken_model_file_is_refused_in_one_line_that_names_the_key(tmp_path, text, says):
+    path = tmp_path / "m.toml"
+    path.write_text(text)
+    with pytest.raises(InputError) as refusal:
+        read_model_file(path)
+    assert says in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_an_unknown_robot_is_refused_with_the_nearest_name():
+    with pytest.raises(InputError, match="did you mean optiodom"):
+        load_model("optidom")
+
+
+def test_a_model_without_sensors_is_refused_where_sensors_are_needed():
+    with pytest.raises(InputError, match="sensors"):
+        load_model("create")
+    assert load_model("create", sensors="declared").tables is None
