@@ -2,6 +2,8 @@
 # gcc and make is enough. Another interpreter: make test PYTHON=/path/to/python3.11
 
 PYTHON ?= python3.11
+# The C is compiled with every warning an error.
+export REALITYGAP_DEVELOPMENT := 1
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip -qq --disable-pip-version-check --no-input --retries 10
 STAMP := .venv/.installed

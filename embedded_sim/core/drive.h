@@ -1,0 +1,51 @@
+/* From command to motion: the motors' answer, and the exact arc of two wheels. */
+#ifndef RG_DRIVE_H
+#define RG_DRIVE_H
+
+#include <math.h>
+
+#include "realitygap_core.h"
+
+/* Angle (rad) wheel `side` turns in h seconds towards a delivered command, advancing its speed.
+ * Chain: dead zone, saturation, droop, first-order lag, acceleration limit. At the null values every
+ * factor is 1 and every term 0, so the minimal model needs no branch of its own. */
+static inline double rg_wheel_advance(const rg_drive *d, int side, double *speed, double command,
+                                      double h, double time) {
+    const double magnitude = fabs(command) < d->dead_zone[side] ? 0.0 : fabs(command);
+    const double reached = fmin(magnitude, d->speed_limit[side]) * (1.0 - d->droop_rate * time);
+    const double target = copysign(reached, command);
+    const double start = *speed;
+    const double step = target - start;
+    double end = target;
+    double turned = target * h;
+    if (d->time_constant > 0.0) {
+        const double left = exp(-h / d->time_constant);
+        end = target - step * left;
+        turned = target * h - step * d->time_constant * (1.0 - left);
+    }
+    const double most = d->acceleration[side] * h;
+    if (fabs(end - start) > most) {
+        end = start + copysign(most, step);
+        turned = 0.5 * (start + end) * h;
+    } else if (d->time_constant <= 0.0) {
+        turned = target * h - 0.5 * step * fabs(step) / d->acceleration[side];
+    }
+    *speed = end;
+    return turned;
+}
+
+/* Move a pose along the exact circular arc of wheels turned by left and right (rad). */
+static inline void rg_arc(const rg_drive *d, double left, double right, double *pose) {
+    const double sl = d->wheel_radius[0] * left;
+    const double sr = d->wheel_radius[1] * right;
+    const double turn = (sr - sl) / d->axle;
+    const double half = 0.5 * turn;
+    /* chord of an arc: length * sin(half) / half; its series below 1e-4 rad is exact to 1e-18 */
+    const double ratio = fabs(half) < 1e-4 ? 1.0 - half * half / 6.0 : sin(half) / half;
+    const double chord = 0.5 * (sl + sr) * ratio;
+    pose[0] += chord * cos(pose[2] + half);
+    pose[1] += chord * sin(pose[2] + half);
+    pose[2] += turn;
+}
+
+#endif

@@ -1,0 +1,91 @@
+/* What the point model's sensors read: captured tables, looked up bilinearly (III-E). */
+#ifndef RG_SENSORS_H
+#define RG_SENSORS_H
+
+#include <math.h>
+#include <string.h>
+
+#include "realitygap_core.h"
+
+#define RG_TWO_PI 6.28318530717958647692
+
+/* Lower node and weight of the upper node, on a uniform axis of n nodes over [0, 1]. */
+static inline int rg_node(double u, int n, double *weight) {
+    const double s = fmin(fmax(u, 0.0), 1.0) * (n - 1);
+    int i = (int)s;
+    if (i > n - 2)
+        i = n - 2;
+    *weight = s - i;
+    return i;
+}
+
+/* Infrared of sensor k at the rim, looking along (ux, uy) at the circular wall around the origin. */
+static inline double rg_wall_reading(const rg_model *m, int k, double x, double y, double ux,
+                                     double uy) {
+    const rg_tables *t = &m->tables;
+    const double px = x + m->body_radius * ux, py = y + m->body_radius * uy;
+    const double along = px * ux + py * uy;
+    const double inside = along * along + m->arena_radius * m->arena_radius - px * px - py * py;
+    if (inside <= 0.0)
+        return 0.0; /* the rim is outside and looks away: contact is not the point model's business */
+    const double root = sqrt(inside);
+    const double distance = fmax(root - along, 0.0);
+    if (distance > t->ps_range)
+        return 0.0;
+    double wd, wi;
+    const int i = rg_node(sqrt(distance / t->ps_range), t->ps_distances, &wd);
+    const int j = rg_node(root / m->arena_radius, t->ps_incidences, &wi);
+    const float *low = t->ps_counts + ((int64_t)k * t->ps_distances + i) * t->ps_incidences + j;
+    const float *high = low + t->ps_incidences;
+    return (1.0 - wd) * ((1.0 - wi) * low[0] + wi * low[1]) +
+           wd * ((1.0 - wi) * high[0] + wi * high[1]);
+}
+
+/* All infrared sensors at a pose (c, s: cosine and sine of yaw), without noise. Returns whether the
+ * wall is near enough for any of them to see it. */
+static inline int rg_ps(const rg_model *m, double x, double y, double c, double s, double *ps) {
+    const double free = m->arena_radius - m->body_radius - m->tables.ps_range;
+    if (free > 0.0 && x * x + y * y < free * free) {
+        memset(ps, 0, RG_SENSORS * sizeof *ps);
+        return 0;
+    }
+    for (int k = 0; k < RG_SENSORS; k++) {
+        const double ux = c * m->sensor_cos[k] - s * m->sensor_sin[k];
+        const double uy = s * m->sensor_cos[k] + c * m->sensor_sin[k];
+        ps[k] = m->ps_gain[k] * rg_wall_reading(m, k, x, y, ux, uy);
+    }
+    return 1;
+}
+
+/* All light sensors at a pose, without noise: dark, minus what the lamp adds. */
+static inline void rg_ls(const rg_model *m, int scenario, double x, double y, double c, double s,
+                         double *ls) {
+    const rg_tables *t = &m->tables;
+    if (!m->lamp_on[scenario]) {
+        for (int k = 0; k < RG_SENSORS; k++)
+            ls[k] = t->ls_dark;
+        return;
+    }
+    const double dx = m->lamp_x[scenario] - x, dy = m->lamp_y[scenario] - y;
+    const double bearing = atan2(c * dy - s * dx, c * dx + s * dy);
+    double wd;
+    const int i = rg_node(sqrt(sqrt(dx * dx + dy * dy) / t->ls_range), t->ls_distances, &wd);
+    const float *low = t->ls_counts + (int64_t)i * t->ls_bearings;
+    const float *high = low + t->ls_bearings;
+    const double per_rad = t->ls_bearings / RG_TWO_PI;
+    for (int k = 0; k < RG_SENSORS; k++) {
+        double at = (bearing - m->sensor_angle[k] + 0.5 * RG_TWO_PI) * per_rad;
+        if (at < 0.0)
+            at += t->ls_bearings;
+        int j = (int)at;
+        const double wb = at - j;
+        if (j >= t->ls_bearings)
+            j -= t->ls_bearings;
+        const int next = j + 1 == t->ls_bearings ? 0 : j + 1;
+        const double lit = (1.0 - wd) * ((1.0 - wb) * low[j] + wb * low[next]) +
+                           wd * ((1.0 - wb) * high[j] + wb * high[next]);
+        ls[k] = fmax(t->ls_dark - m->ls_gain[k] * m->lamp_gain * lit, 0.0);
+    }
+}
+
+#endif

@@ -1,0 +1,116 @@
+"""The nominal physical world: every dimension with its unit and where it comes from."""
+
+from __future__ import annotations
+
+import math
+
+# Arena (paper, III-I)
+ARENA_RADIUS = 0.60
+"""m: a circle of diameter 1.2 m."""
+WALL_HEIGHT = 0.10
+"""m; our choice: higher than a robot."""
+WALL_THICKNESS = 0.02
+"""m; our choice: several times what a robot moves in one physics step."""
+WALL_FACETS = 120
+"""Boxes that make the ring; their middles touch the circle, their corners leave it by 0.2 mm."""
+NEST = (0.50, 0.0, 0.20)
+"""m: x, y, radius. The radius and that it cuts the boundary are the paper's, the centre our choice."""
+FOOD_ITEMS = 7
+"""Always present (paper, III-I)."""
+FOOD_RADIUS = 0.05
+"""m; our choice: an item is under a robot when the robot covers part of a 15 mm token."""
+
+# Body of an e-puck
+BODY_RADIUS = 0.035
+"""m; gctronic driver, argos3-epuck."""
+BODY_BOTTOM = 0.006
+"""m above the floor; our choice, only skids and wheels touch the floor."""
+BODY_TOP = 0.075
+"""m; an e-puck (0.05 m) with the Linux extension board on it; our estimate from the paper's Fig. 3."""
+MASS = 0.15
+"""kg (e-puck)."""
+WHEEL_MASS = 0.008
+"""kg; our choice."""
+SKID_MASS = 0.001
+"""kg; our choice."""
+WHEEL_RADIUS = 0.0205
+"""m; argos3-epuck."""
+AXLE = 0.053
+"""m; gctronic driver, argos3-epuck."""
+CENTRE_OF_MASS = (0.004, 0.0, 0.010)
+"""m from the axle's middle on the floor: low and just ahead of the axle, as the battery sits; higher
+or further back tips the robot when it brakes."""
+SKIDS = (0.030, -0.030)
+"""m ahead of the axle: frictionless front skid, and one behind that only catches tipping."""
+SKID_RADIUS = 0.004
+"""m; our choice."""
+SKID_CLEARANCE = 1e-4
+"""m between skids and a level floor: at zero both share the weight and deform circles."""
+WHEEL_SPEED_MAX = 2.0 * math.pi
+"""rad/s: 1000 steps/s at 1000 steps per revolution."""
+
+# Motors and friction
+MOTOR_TORQUE = 0.006
+"""N m per wheel; our choice: 3.9 m/s^2, so that a full stop does not skid. A fresh command reaches
+two thirds of its displacement in the first 40 ms."""
+WHEEL_FRICTION = 1.2
+"""Rubber tyre on the floor (floor friction 1); our choice: full reversals do not skid."""
+BODY_FRICTION = 0.3
+"""Plastic against wall and other robots; our choice."""
+
+# Physics: see docs/convergence.md for the study behind these
+PHYSICS_STEP = 0.010
+"""s."""
+SOLVER_ITERATIONS = 20
+CONTACT_THRESHOLD = 3e-5
+"""m; the engine's default of 2 cm keeps stale contacts under rolling wheels."""
+CONTROL_STEP = 0.04
+"""s (paper, III-D)."""
+
+# Infrared (real e-puck2: counts = A / (d + 9 mm)^2)
+SENSOR_HEIGHT = 0.033
+"""m above the floor (e-puck ring)."""
+IR_OFFSET = 0.009
+"""m, of the inverse-square law."""
+IR_CONTACT_COUNTS = (3600.0, 540.0, 900.0, 900.0, 900.0, 900.0, 540.0, 3600.0)
+"""counts at contact, head on: front pair 3400-3900 and side-front 540 measured; the others lie
+between and are our choice."""
+IR_RANGE = 0.15
+"""m; our choice: beyond, a front sensor reads under 12 counts."""
+IR_NOISE = 0.14
+"""relative s.d. (real e-puck2, robust)."""
+IR_NOISE_FLOOR = 2.0
+"""counts s.d.; our choice."""
+IR_OUTLIERS = (0.20, 0.03, 0.03, 0.03, 0.03, 0.03, 0.03, 0.20)
+"""share of gross outliers: front pair 18-26 %, sides at most 4 % (real e-puck2)."""
+COUNTS_MAX = 4095.0
+"""12-bit converter."""
+
+# Light
+LAMP_RADIUS = 0.60
+"""m from the centre: a window in the arena's wall (paper, Fig. 3)."""
+LAMP_HEIGHT = 0.10
+"""m above the floor; our choice."""
+LAMP_POWER = 23.7
+"""counts m^2: a facing sensor of a robot at 0.8 m reads 40 counts, the controller's contrast
+threshold; contrast that fades at 0.6-1.0 m gives the paper's ordering of conditions."""
+LIGHT_EXPONENT = 2.0
+"""of the inverse-square law."""
+LIGHT_DARK = 4095.0
+"""counts in full darkness, falling with light (Webots; the real driver uses 4096 - raw)."""
+LIGHT_AMBIENT = 60.0
+"""counts of room light on every sensor; our choice."""
+LIGHT_NOISE = 5.0
+"""counts s.d.; our choice, an eighth of the contrast threshold."""
+
+# Tracker and radio
+TRACKER_NOISE = 5e-4
+"""m s.d. per axis (Vicon-like)."""
+TRACKER_YAW_NOISE = math.radians(0.3)
+"""rad s.d."""
+RADIO_RANGE = 0.20
+"""m between centres (paper, III-B)."""
+RADIO_PERIOD = 0.2
+"""s between broadcasts; our choice: two robots that pass one another exchange several."""
+START_WITHIN = 5.0
+"""s: robots start asynchronously "within seconds" (paper, III-I)."""

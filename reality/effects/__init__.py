@@ -1,0 +1,40 @@
+"""Physical effects that can be hidden in reality: one module each, found by being here.
+
+A module of this package defines `EFFECT`. Its name and parameters are the ones written in
+`--effect NAME:key=value,...`; `apply` changes the hardware of the chosen robots before the world is
+built. Nothing of it is ever written to what a diagnosis reads.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from functools import cache
+
+from reality.effects.effect import Effect, Parameter
+from reality.effects.spec import Hidden, parse
+
+__all__ = ["Effect", "Hidden", "Parameter", "catalogue", "parse_effects"]
+
+_MACHINERY = ("effect", "spec")
+
+
+@cache
+def catalogue() -> dict[str, Effect]:
+    """Every effect by name, in alphabetical order."""
+    found: dict[str, Effect] = {}
+    for module in sorted(pkgutil.iter_modules(__path__), key=lambda m: m.name):
+        if module.name not in _MACHINERY:
+            effect: Effect = importlib.import_module(f"{__name__}.{module.name}").EFFECT
+            found[effect.name] = effect
+    return found
+
+
+def parse_effects(specs: list[str] | tuple[str, ...], robots: int) -> tuple[Hidden, ...]:
+    """Read `NAME:key=value[,key=value...]` texts for a swarm of so many robots.
+
+    Raises:
+        InputError: an unknown effect or key, a value that is no number or out of bounds, a robot
+            that does not exist, a parameter missing or given twice.
+    """
+    return tuple(parse(spec, catalogue(), robots) for spec in specs)

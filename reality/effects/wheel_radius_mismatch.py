@@ -1,0 +1,23 @@
+"""Two wheels of different radius."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from reality.effects.effect import Effect, Parameter, Robots, Value, number
+from reality.hardware import Hardware
+
+
+def _apply(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
+    ratio = number(values, "ratio")
+    mean = hardware.wheel_radius[robots].mean(axis=1)
+    hardware.wheel_radius[robots, 0] = 2.0 * mean / (1.0 + ratio)
+    hardware.wheel_radius[robots, 1] = 2.0 * mean * ratio / (1.0 + ratio)
+
+
+EFFECT = Effect(
+    name="wheel_radius_mismatch",
+    physics="the body has two wheels of different radius, their mean kept",
+    parameters={"ratio": Parameter(unit="right/left", low=0.5, high=2.0)},
+    apply=_apply,
+)

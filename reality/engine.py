@@ -1,0 +1,231 @@
+"""The only module that talks to pybullet: bodies in, centres of mass and ray hits out.
+
+pybullet is frozen upstream (3.2.7) and untyped; what we learnt of its habits is settled here.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from reality import constants as k
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """pybullet prints its build time to stderr, from C, when it is imported; nobody asked."""
+    sys.stderr.flush()
+    saved = os.dup(2)
+    try:
+        with open(os.devnull, "wb") as null:
+            os.dup2(null.fileno(), 2)
+        yield
+    finally:
+        os.dup2(saved, 2)
+        os.close(saved)
+
+
+with _silence():
+    import pybullet as bullet
+
+FloatArray = npt.NDArray[np.float64]
+
+# Who collides with whom: wheels and skids only touch the floor, bodies walls and one another.
+# A wheel is a sphere and sticks out of the body; no ray and no neighbour may meet it.
+# A ray's own group is always 1, which whatever it may hit must have in its mask.
+_RAY, _FLOOR, _WALL, _BODY, _WHEEL = 1, 2, 4, 8, 16
+_LEFT, _RIGHT = 0, 1
+_BASE = -1
+
+
+class Engine:
+    """One physics world of one process. Rebuilt for every run: that is what makes it repeatable."""
+
+    def __init__(
+        self,
+        *,
+        step: float = k.PHYSICS_STEP,
+        iterations: int = k.SOLVER_ITERATIONS,
+        gravity: tuple[float, float, float] = (0.0, 0.0, -9.81),
+    ) -> None:
+        """Open an empty world with a floor.
+
+        Args:
+            step: s of physics per `advance`.
+            iterations: of the contact and motor solver.
+            gravity: m/s^2.
+        """
+        self._client: int = bullet.connect(bullet.DIRECT)
+        self._bodies: list[int] = []
+        bullet.setPhysicsEngineParameter(
+            fixedTimeStep=step,
+            numSolverIterations=iterations,
+            contactBreakingThreshold=k.CONTACT_THRESHOLD,
+            deterministicOverlappingPairs=1,
+            enableConeFriction=1,
+            physicsClientId=self._client,
+        )
+        bullet.setGravity(*gravity, physicsClientId=self._client)
+        floor = self._body(0.0, self._shape(bullet.GEOM_PLANE))
+        self._collide(floor, _BASE, _FLOOR, _WHEEL)
+        self._dynamics(floor, _BASE, lateralFriction=1.0)
+
+    def close(self) -> None:
+        """Free the world."""
+        if self._client >= 0:
+            bullet.disconnect(self._client)
+            self._client = -1
+
+    def add_wall(self, x: float, y: float, yaw: float, length: float) -> None:
+        """A straight wall (m, rad) whose inner face runs through (x, y), facing along -yaw."""
+        half = 0.5 * k.WALL_THICKNESS
+        box = self._shape(
+            bullet.GEOM_BOX, halfExtents=[half, 0.5 * length, 0.5 * k.WALL_HEIGHT]
+        )
+        wall = self._body(
+            0.0,
+            box,
+            basePosition=[
+                x + half * math.cos(yaw),
+                y + half * math.sin(yaw),
+                0.5 * k.WALL_HEIGHT,
+            ],
+            baseOrientation=bullet.getQuaternionFromEuler([0.0, 0.0, yaw]),
+        )
+        self._collide(wall, _BASE, _WALL, _BODY | _RAY)
+        self._dynamics(wall, _BASE, lateralFriction=1.0)
+
+    def add_ring(self, radius: float = k.ARENA_RADIUS) -> None:
+        """The arena's circular wall, as facets."""
+        length = 2.0 * (radius + k.WALL_THICKNESS) * math.tan(math.pi / k.WALL_FACETS)
+        for i in range(k.WALL_FACETS):
+            yaw = 2.0 * math.pi * i / k.WALL_FACETS
+            self.add_wall(radius * math.cos(yaw), radius * math.sin(yaw), yaw, length)
+
+    def add_epuck(
+        self,
+        pose: Sequence[float],
+        *,
+        wheel_radius: Sequence[float] = (k.WHEEL_RADIUS, k.WHEEL_RADIUS),
+        axle: float = k.AXLE,
+        wheel_friction: float = k.WHEEL_FRICTION,
+    ) -> None:
+        """A robot with the middle of its axle at pose (x, y, yaw); wheels stand on the floor."""
+        lift = k.WHEEL_RADIUS  # the base frame: middle of a nominal robot's axle
+        height = k.BODY_TOP - k.BODY_BOTTOM
+        body = self._shape(
+            bullet.GEOM_CYLINDER,
+            radius=k.BODY_RADIUS,
+            height=height,
+            collisionFramePosition=[0.0, 0.0, k.BODY_BOTTOM + 0.5 * height - lift],
+        )
+        wheels = [self._shape(bullet.GEOM_SPHERE, radius=radius) for radius in wheel_radius]
+        skid = self._shape(bullet.GEOM_SPHERE, radius=k.SKID_RADIUS)
+        links = 2 + len(k.SKIDS)
+        places = [
+            [0.0, 0.5 * axle, wheel_radius[_LEFT] - lift],
+            [0.0, -0.5 * axle, wheel_radius[_RIGHT] - lift],
+        ] + [[x, 0.0, k.SKID_RADIUS + k.SKID_CLEARANCE - lift] for x in k.SKIDS]
+        masses = [k.WHEEL_MASS] * 2 + [k.SKID_MASS] * len(k.SKIDS)
+        com = k.CENTRE_OF_MASS
+        robot = self._body(
+            k.MASS - sum(masses),
+            body,
+            basePosition=[pose[0], pose[1], lift],
+            baseOrientation=bullet.getQuaternionFromEuler([0.0, 0.0, pose[2]]),
+            baseInertialFramePosition=[com[0], com[1], com[2] - lift],
+            linkMasses=masses,
+            linkCollisionShapeIndices=[*wheels, *[skid] * len(k.SKIDS)],
+            linkVisualShapeIndices=[-1] * links,
+            linkPositions=places,
+            linkOrientations=[[0.0, 0.0, 0.0, 1.0]] * links,
+            linkInertialFramePositions=[[0.0, 0.0, 0.0]] * links,
+            linkInertialFrameOrientations=[[0.0, 0.0, 0.0, 1.0]] * links,
+            linkParentIndices=[0] * links,
+            linkJointTypes=[bullet.JOINT_REVOLUTE] * 2 + [bullet.JOINT_FIXED] * len(k.SKIDS),
+            linkJointAxis=[[0.0, 1.0, 0.0]] * links,
+        )
+        self._collide(robot, _BASE, _BODY, _WALL | _BODY | _RAY)
+        self._dynamics(robot, _BASE, lateralFriction=k.BODY_FRICTION)
+        for link in range(links):
+            self._collide(robot, link, _WHEEL, _FLOOR)
+            friction = wheel_friction if link < 2 else 0.0
+            self._dynamics(robot, link, lateralFriction=friction)
+        for link in range(-1, links):
+            self._dynamics(robot, link, linearDamping=0.0)
+            self._dynamics(robot, link, angularDamping=0.0)
+            self._dynamics(robot, link, jointDamping=0.0)
+        self._bodies.append(robot)
+
+    def drive(self, robot: int, left: float, right: float, torque: float) -> None:
+        """Set the speeds (rad/s) that a robot's two motors hold with at most `torque` (N m)."""
+        bullet.setJointMotorControlArray(
+            self._bodies[robot],
+            (_LEFT, _RIGHT),
+            bullet.VELOCITY_CONTROL,
+            targetVelocities=(left, right),
+            forces=(torque, torque),
+            physicsClientId=self._client,
+        )
+
+    def advance(self, steps: int) -> None:
+        """Step the physics."""
+        client = self._client
+        for _ in range(steps):
+            bullet.stepSimulation(client)
+
+    def centres_of_mass(self, out: FloatArray) -> None:
+        """Fill (robots, 7): position (m) and quaternion (x, y, z, w) of each robot's base."""
+        client = self._client
+        for i, body in enumerate(self._bodies):
+            position, orientation = bullet.getBasePositionAndOrientation(body, client)
+            out[i, :3] = position
+            out[i, 3:] = orientation
+
+    def teleport(self, robot: int, pose: Sequence[float]) -> None:
+        """Put a robot down at rest with the middle of its axle at pose (x, y, yaw)."""
+        c, s = math.cos(pose[2]), math.sin(pose[2])
+        x, y, z = k.CENTRE_OF_MASS
+        bullet.resetBasePositionAndOrientation(
+            self._bodies[robot],
+            [pose[0] + c * x - s * y, pose[1] + s * x + c * y, z],
+            bullet.getQuaternionFromEuler([0.0, 0.0, pose[2]]),
+            physicsClientId=self._client,
+        )
+        bullet.performCollisionDetection(self._client)  # or rays meet the body where it was
+
+    def cast(
+        self, start: FloatArray, end: FloatArray, fraction: FloatArray, normals: FloatArray
+    ) -> None:
+        """Cast rays (n, 3) in one batch against walls and bodies.
+
+        Fills `fraction` (n,), 1 where nothing is hit, and `normals` (n, 2), x and y of the surface.
+        """
+        hits: Any = bullet.rayTestBatch(
+            start, end, collisionFilterMask=_WALL | _BODY, physicsClientId=self._client
+        )
+        for i, (body, _link, share, _place, normal) in enumerate(hits):
+            fraction[i] = share if body >= 0 else 1.0
+            normals[i, 0], normals[i, 1] = normal[0], normal[1]
+
+    def _shape(self, kind: int, **size: Any) -> int:
+        shape: int = bullet.createCollisionShape(kind, physicsClientId=self._client, **size)
+        return shape
+
+    def _body(self, mass: float, shape: int, **build: Any) -> int:
+        body: int = bullet.createMultiBody(mass, shape, physicsClientId=self._client, **build)
+        return body
+
+    def _collide(self, body: int, link: int, group: int, mask: int) -> None:
+        bullet.setCollisionFilterGroupMask(body, link, group, mask, self._client)
+
+    def _dynamics(self, body: int, link: int, **value: float) -> None:
+        """One property a call: several at once land on the base."""
+        bullet.changeDynamics(body, link, physicsClientId=self._client, **value)

@@ -1,0 +1,90 @@
+"""What each robot and the place are really made of: nominal values that an effect may change.
+
+One array per property, one row per robot, so that the 40 ms loop never sees a robot as an object.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from embedded_sim import SENSOR_ANGLES, SENSORS
+from reality import constants as k
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass
+class Lamp:
+    """A light source (m, counts m^exponent); where it stands depends on the case."""
+
+    height: float = k.LAMP_HEIGHT
+    power: float = k.LAMP_POWER
+    exponent: float = k.LIGHT_EXPONENT
+
+
+@dataclass
+class Hardware:
+    """Everything physical about a swarm and its arena."""
+
+    wheel_radius: FloatArray
+    """(robots, 2) m."""
+    axle: FloatArray
+    """(robots,) m."""
+    wheel_friction: FloatArray
+    """(robots,)."""
+    motor_torque: FloatArray
+    """(robots,) N m per wheel."""
+    sensor_angles: FloatArray
+    """(robots, 8) rad from forward."""
+    ir_amplitude: FloatArray
+    """(robots, 8) counts m^2, A of A / (d + 9 mm)^2."""
+    ir_outliers: FloatArray
+    """(robots, 8) share of gross outliers."""
+    ir_alive: FloatArray
+    """(robots, 8) 1, or 0 where the sensor reads nothing."""
+    light_gain: FloatArray
+    """(robots, 8)."""
+    light_ambient: FloatArray
+    """(robots, 8) counts."""
+    lamp: Lamp
+
+    @property
+    def robots(self) -> int:
+        """How many robots there are."""
+        return len(self.axle)
+
+    @classmethod
+    def nominal(cls, robots: int) -> Hardware:
+        """Robots as the data sheets have them, all alike."""
+
+        def rows(values: npt.ArrayLike) -> FloatArray:
+            return np.tile(np.asarray(values, dtype=np.float64), (robots, 1))
+
+        return cls(
+            wheel_radius=rows([k.WHEEL_RADIUS] * 2),
+            axle=np.full(robots, k.AXLE),
+            wheel_friction=np.full(robots, k.WHEEL_FRICTION),
+            motor_torque=np.full(robots, k.MOTOR_TORQUE),
+            sensor_angles=rows(SENSOR_ANGLES),
+            ir_amplitude=rows([counts * k.IR_OFFSET**2 for counts in k.IR_CONTACT_COUNTS]),
+            ir_outliers=rows(k.IR_OUTLIERS),
+            ir_alive=rows([1.0] * SENSORS),
+            light_gain=rows([1.0] * SENSORS),
+            light_ambient=rows([k.LIGHT_AMBIENT] * SENSORS),
+            lamp=Lamp(),
+        )
+
+
+LAMP_PLACES: tuple[tuple[float, float] | None, ...] = (
+    (-k.LAMP_RADIUS, 0.0),
+    None,
+    (k.LAMP_RADIUS, 0.0),
+)
+"""m: where the lamp stands for each of `embedded_sim.SCENARIOS`; the nest is on +x."""
+
+NEST_DIRECTION = math.atan2(k.NEST[1], k.NEST[0])
+"""rad from the arena's centre."""

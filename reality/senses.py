@@ -1,0 +1,203 @@
+"""What the robots and the tracker perceive: arrays filled in place, geometry in C.
+
+All arrays have one row per robot. Noise is drawn from the generators given, never from a global one.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from embedded_sim import SENSORS
+from reality import constants as k
+from reality._optics import ffi, lib
+from reality.engine import Engine
+from reality.hardware import LAMP_PLACES, FloatArray, Hardware
+
+
+def optics() -> Any:
+    """The C struct `rgo_optics` of the nominal world."""
+    return ffi.new(
+        "rgo_optics *",
+        {
+            "body_radius": k.BODY_RADIUS,
+            "body_top": k.BODY_TOP,
+            "sensor_height": k.SENSOR_HEIGHT,
+            "arena_radius": k.ARENA_RADIUS,
+            "ir_range": k.IR_RANGE,
+            "ir_offset": k.IR_OFFSET,
+            "ir_noise": k.IR_NOISE,
+            "ir_noise_floor": k.IR_NOISE_FLOOR,
+            "counts_max": k.COUNTS_MAX,
+            "light_dark": k.LIGHT_DARK,
+            "light_noise": k.LIGHT_NOISE,
+        },
+    )
+
+
+def doubles(array: FloatArray) -> Any:
+    """A float64 array's memory for C; the array must outlive the pointer."""
+    return ffi.from_buffer("double[]", array, require_writable=array.flags.writeable)
+
+
+class Infrared:
+    """Eight ray-cast proximity sensors per robot: counts A cos(incidence) / (d + 9 mm)^2."""
+
+    def __init__(self, hardware: Hardware, random: np.random.Generator) -> None:
+        robots = hardware.robots
+        rays = SENSORS * robots
+        self.counts: FloatArray = np.zeros((robots, SENSORS))
+        self._alive = hardware.ir_alive
+        self._random = random
+        self._start, self._end = np.zeros((rays, 3)), np.zeros((rays, 3))
+        self._fraction, self._normals = np.zeros(rays), np.zeros((rays, 2))
+        self._owner: npt.NDArray[np.int32] = np.zeros(rays, dtype=np.int32)
+        self._gauss, self._uniform = np.zeros((2, rays)), np.zeros((2, rays))
+        self._optics, self._robots = optics(), robots
+        self._angles = doubles(hardware.sensor_angles)
+        self._amplitude = doubles(hardware.ir_amplitude)
+        self._outliers = doubles(hardware.ir_outliers)
+
+    def sense(self, engine: Engine, poses: FloatArray) -> None:
+        """Cast the rays that something can be in front of, and fill `counts`."""
+        rays = lib.rgo_rays(
+            self._optics,
+            self._robots,
+            doubles(poses),
+            self._angles,
+            doubles(self._start),
+            doubles(self._end),
+            ffi.from_buffer("int32_t[]", self._owner),
+        )
+        if rays:
+            engine.cast(self._start[:rays], self._end[:rays], self._fraction, self._normals)
+        self._random.standard_normal(out=self._gauss)
+        self._random.random(out=self._uniform)
+        lib.rgo_infrared(
+            self._optics,
+            self._robots,
+            doubles(poses),
+            self._angles,
+            rays,
+            ffi.from_buffer("int32_t[]", self._owner),
+            doubles(self._fraction),
+            doubles(self._normals),
+            self._amplitude,
+            self._outliers,
+            doubles(self._gauss),
+            doubles(self._uniform),
+            doubles(self.counts),
+        )
+        self.counts *= self._alive
+
+
+class Light:
+    """Eight light sensors per robot: inverse square, cosine aperture, robots cast shadows."""
+
+    def __init__(self, hardware: Hardware, random: np.random.Generator) -> None:
+        robots = hardware.robots
+        self.counts: FloatArray = np.zeros((robots, SENSORS))
+        self._hardware, self._random = hardware, random
+        self._gauss = np.zeros((robots, SENSORS))
+        self._optics, self._robots = optics(), robots
+        self._angles = doubles(hardware.sensor_angles)
+        self._ambient = doubles(hardware.light_ambient)
+        self._gain = doubles(hardware.light_gain)
+        self._lamps = ffi.new("rgo_lamp[]", 1)
+        self._lit = 0
+
+    def set_scenario(self, scenario: int) -> None:
+        """Put the lamp where one of `embedded_sim.SCENARIOS` has it, or take it away."""
+        place = LAMP_PLACES[scenario]
+        self._lit = int(place is not None)
+        if place is not None:
+            lamp, struct = self._hardware.lamp, self._lamps[0]
+            struct.x, struct.y = place
+            struct.height, struct.power, struct.exponent = lamp.height, lamp.power, lamp.exponent
+
+    def sense(self, poses: FloatArray) -> None:
+        """Fill `counts`."""
+        self._random.standard_normal(out=self._gauss)
+        lib.rgo_light(
+            self._optics,
+            self._robots,
+            doubles(poses),
+            self._angles,
+            self._lit,
+            self._lamps,
+            self._ambient,
+            self._gain,
+            doubles(self._gauss),
+            doubles(self.counts),
+        )
+
+
+class Tracker:
+    """Vicon-like poses, and the virtual sensor computed from them (paper, III-D)."""
+
+    def __init__(self, hardware: Hardware, random: np.random.Generator) -> None:
+        robots = hardware.robots
+        self.poses: FloatArray = np.zeros((robots, 3))
+        self.on_food: npt.NDArray[np.uint8] = np.zeros(robots, dtype=np.uint8)
+        self.on_nest: npt.NDArray[np.uint8] = np.zeros(robots, dtype=np.uint8)
+        self.item: npt.NDArray[np.int32] = np.zeros(robots, dtype=np.int32)
+        self.food: FloatArray = np.zeros((k.FOOD_ITEMS, 2))
+        self._random, self._noise = random, np.zeros((robots, 3))
+        self._scale = np.array([k.TRACKER_NOISE, k.TRACKER_NOISE, k.TRACKER_YAW_NOISE])
+        self._nest = np.array(k.NEST)
+        self._robots = robots
+
+    def place_food(self, item: int, random: np.random.Generator) -> None:
+        """Put an item anywhere a robot's centre can reach, outside the nest."""
+        reach = k.ARENA_RADIUS - k.BODY_RADIUS
+        while True:
+            radius = reach * np.sqrt(random.random())
+            angle = 2.0 * np.pi * random.random()
+            x, y = radius * np.cos(angle), radius * np.sin(angle)
+            if np.hypot(x - k.NEST[0], y - k.NEST[1]) >= k.NEST[2]:
+                self.food[item] = x, y
+                return
+
+    def measure(self, poses: FloatArray) -> None:
+        """Fill the measured poses (yaw in [-pi, pi) but for noise)."""
+        self._random.standard_normal(out=self._noise)
+        np.multiply(self._noise, self._scale, out=self._noise)
+        np.add(poses, self._noise, out=self.poses)
+
+    def locate(self, carrying: npt.NDArray[np.uint8]) -> None:
+        """Fill `on_food`, `on_nest` and `item` from the measured poses."""
+        lib.rgo_virtual_sensor(
+            self._robots,
+            doubles(self.poses),
+            ffi.from_buffer("uint8_t[]", carrying),
+            k.FOOD_ITEMS,
+            doubles(self.food),
+            k.FOOD_RADIUS,
+            doubles(self._nest),
+            ffi.from_buffer("uint8_t[]", self.on_food),
+            ffi.from_buffer("uint8_t[]", self.on_nest),
+            ffi.from_buffer("int32_t[]", self.item),
+        )
+
+
+class Radio:
+    """Infrared messages: heard within 20 cm unless a third robot's body is in between."""
+
+    def __init__(self, robots: int) -> None:
+        self.heard: npt.NDArray[np.uint8] = np.zeros((robots, robots), dtype=np.uint8)
+        self.messages = 0
+        self._optics, self._robots = optics(), robots
+
+    def exchange(self, poses: FloatArray, active: npt.NDArray[np.uint8]) -> None:
+        """Fill `heard` (receiver, sender) for the robots that are switched on; count messages."""
+        lib.rgo_radio(
+            self._optics,
+            self._robots,
+            doubles(poses),
+            ffi.from_buffer("uint8_t[]", active),
+            k.RADIO_RANGE,
+            ffi.from_buffer("uint8_t[]", self.heard),
+        )
+        self.messages += int(np.count_nonzero(self.heard))

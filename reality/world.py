@@ -1,0 +1,128 @@
+"""Reality: ten rigid robots in an arena with a lamp, a tracker and a radio.
+
+Every 40 ms the caller senses, lets the controllers answer, and advances. Nothing here knows what a
+robot believes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from embedded_sim.errors import InputError
+from reality import constants as k
+from reality._optics import lib
+from reality.effects.spec import Hidden
+from reality.engine import Engine
+from reality.hardware import FloatArray, Hardware
+from reality.senses import Infrared, Light, Radio, Tracker, doubles
+
+SUBSTEPS = round(k.CONTROL_STEP / k.PHYSICS_STEP)
+"""Physics steps per control step."""
+
+
+class World:
+    """The physical swarm; all arrays have one row per robot."""
+
+    def __init__(
+        self,
+        robots: int,
+        seed: np.random.SeedSequence,
+        *,
+        effects: Sequence[Hidden] = (),
+        poses: FloatArray | None = None,
+    ) -> None:
+        """Build the arena and put the robots down.
+
+        Args:
+            robots: How many.
+            seed: Spawned by purpose: places, food, infrared, light, tracker.
+            effects: What to hide in it.
+            poses: (robots, 3) m, m, rad to start from; drawn at random when absent.
+
+        Raises:
+            InputError: the robots do not fit into the arena.
+        """
+        places, food, infrared, light, tracker = (
+            np.random.default_rng(child) for child in seed.spawn(5)
+        )
+        hardware = Hardware.nominal(robots)
+        for hidden in effects:
+            hidden.hide(hardware)
+        self.robots = robots
+        self.poses: FloatArray = scatter(robots, places) if poses is None else poses.copy()
+        self.infrared = Infrared(hardware, infrared)
+        self.light = Light(hardware, light)
+        self.tracker = Tracker(hardware, tracker)
+        self.radio = Radio(robots)
+        self.time_step = 0
+        self._torque = hardware.motor_torque.tolist()
+        self._food_random = food
+        self._driven: FloatArray = np.full((robots, 2), np.nan)
+        self._raw: FloatArray = np.zeros((robots, 7))
+        self._centre: FloatArray = np.array(k.CENTRE_OF_MASS)
+        for item in range(k.FOOD_ITEMS):
+            self.tracker.place_food(item, food)
+        self.engine = Engine()
+        self.engine.add_ring()
+        for i in range(robots):
+            self.engine.add_epuck(
+                self.poses[i].tolist(),
+                wheel_radius=hardware.wheel_radius[i].tolist(),
+                axle=float(hardware.axle[i]),
+                wheel_friction=float(hardware.wheel_friction[i]),
+            )
+
+    def close(self) -> None:
+        """Free the physics engine."""
+        self.engine.close()
+
+    def sense(self) -> None:
+        """Fill `infrared.counts`, `light.counts` and the tracker's measured poses."""
+        self.engine.centres_of_mass(self._raw)
+        lib.rgo_poses(self.robots, doubles(self._raw), doubles(self._centre), doubles(self.poses))
+        if not np.isfinite(self.poses).all():
+            robot = int(np.argmin(np.isfinite(self.poses).all(axis=1)))
+            raise ArithmeticError(f"the physics diverged at step {self.time_step}, robot {robot}")
+        self.infrared.sense(self.engine, self.poses)
+        self.light.sense(self.poses)
+        self.tracker.measure(self.poses)
+
+    def replace_food(self, robot: int) -> None:
+        """The robot has taken the item it is on; a new one appears elsewhere."""
+        self.tracker.place_food(int(self.tracker.item[robot]), self._food_random)
+
+    def act(self, commands: FloatArray) -> None:
+        """Send wheel speeds (robots, 2) in rad/s to the motors and advance one control step."""
+        changed = (commands != self._driven).any(axis=1)
+        for i in np.flatnonzero(changed).tolist():
+            left, right = commands[i].tolist()
+            self.engine.drive(i, left, right, self._torque[i])
+        self._driven[:] = commands
+        self.engine.advance(SUBSTEPS)
+        self.time_step += 1
+
+
+def scatter(robots: int, random: np.random.Generator) -> FloatArray:
+    """Random poses (robots, 3) in the arena, no two bodies nearer than 5 mm to one another or a wall.
+
+    Raises:
+        InputError: no room found.
+    """
+    gap = 0.005
+    reach = k.ARENA_RADIUS - k.BODY_RADIUS - gap
+    poses = np.zeros((robots, 3))
+    placed = 0
+    for _ in range(2000 * robots):
+        if placed == robots:
+            break
+        radius, angle = reach * np.sqrt(random.random()), 2.0 * np.pi * random.random()
+        x, y = radius * np.cos(angle), radius * np.sin(angle)
+        apart = np.hypot(poses[:placed, 0] - x, poses[:placed, 1] - y)
+        if placed == 0 or apart.min() > 2.0 * k.BODY_RADIUS + gap:
+            poses[placed] = x, y, np.pi * (2.0 * random.random() - 1.0)
+            placed += 1
+    if placed < robots:
+        raise InputError("--robots", robots, f"at most about {placed}: more do not fit the arena")
+    return poses

@@ -1,0 +1,1 @@
+"""What puts the rooms together: experiments, studies, figures, reports, the command line."""

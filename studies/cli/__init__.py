@@ -1,0 +1,45 @@
+"""The command line: `realitygap`. One module per command; heavy imports wait until a command runs."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+import typer
+
+from embedded_sim.errors import InputError
+
+app = typer.Typer(
+    name="realitygap",
+    help="Measure the reality gap of a robot swarm's simulator: show it, name its cause, close it.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+)
+
+COMMANDS = ("run", "capture", "import_", "gap")
+"""Modules of this package; importing one adds its command to `app`."""
+
+_UsageError = typer.BadParameter.__base__
+"""Typer's error for wrong words on the command line; it exports only this child of it."""
+
+for _name in COMMANDS:
+    importlib.import_module(f"studies.cli.{_name}")
+
+
+def main() -> None:
+    """Run a command: bad input is one line and exit code 2, an interrupt is exit code 130."""
+    try:
+        sys.exit(app(standalone_mode=False))
+    except InputError as error:
+        print(f"realitygap: {error}", file=sys.stderr)
+        sys.exit(2)
+    except _UsageError as error:
+        print(f"realitygap: {error.format_message()} (see --help)", file=sys.stderr)
+        sys.exit(2)
+    except typer.Abort:
+        sys.exit(130)
+    except KeyboardInterrupt:
+        print("realitygap: interrupted", file=sys.stderr)
+        sys.exit(130)

@@ -1,0 +1,205 @@
+"""One experiment: a swarm forages in reality, its robots evolving on board, and everything is logged.
+
+A run is a function of (configuration, seed). One SeedSequence is spawned by purpose: the world, the
+controllers' streams, the robots' evolution, the moments they are switched on.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from embedded_sim import CONTROL_STEP, SCENARIOS, Behaviour
+from embedded_sim.onboard import Breeder, CoEvolution, Fixed, Swarm
+from embedded_sim.reading import reading
+from models import load_model
+from reality import constants as k
+from reality.effects import parse_effects
+from reality.world import World
+from studies.recorder import Recorder, RunTables
+
+if TYPE_CHECKING:
+    from reality.effects import Hidden
+
+Case = Literal[
+    "no-light",
+    "light-at-nest",
+    "light-opposite-nest",
+    "at-nest-to-opposite",
+    "opposite-to-at-nest",
+]
+OPPOSITE, NONE, AT_NEST = (SCENARIOS.index(name) for name in ("opposite", "none", "at_nest"))
+
+HALVES: dict[Case, tuple[int, int]] = {
+    "no-light": (NONE, NONE),
+    "light-at-nest": (AT_NEST, AT_NEST),
+    "light-opposite-nest": (OPPOSITE, OPPOSITE),
+    "at-nest-to-opposite": (AT_NEST, OPPOSITE),
+    "opposite-to-at-nest": (OPPOSITE, AT_NEST),
+}
+"""Lamp scenario in the first and second half of a run (paper, III-A, III-I)."""
+
+Controller = Literal["coevolution", "search", "positive-phototaxis", "negative-phototaxis"]
+
+FIXED_GENOMES: dict[str, tuple[float, float]] = {
+    "search": (0.5, 0.5),
+    "positive-phototaxis": (0.9, 0.5),
+    "negative-phototaxis": (0.1, 0.5),
+}
+"""The fixed optimal controllers (III-I): phototaxis while carrying food, search otherwise."""
+
+RADIO_STEPS = round(k.RADIO_PERIOD / CONTROL_STEP)
+
+
+class RunConfig(BaseModel):
+    """Everything a run depends on, but for what is hidden in it."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    case: Case = "light-at-nest"
+    controller: Controller = "coevolution"
+    minutes: Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)] = 60.0
+    robots: Annotated[int, Field(ge=1, le=500)] = 10
+    seed: Annotated[int, Field(ge=0)] = 0
+    model: str | None = None
+    """Model file on board; None: the shipped nominal e-puck."""
+    reading: str = "default"
+    trials: Annotated[int, Field(ge=1, le=1000)] = 1
+    genome: Literal["paper"] = "paper"
+    samples: bool = True
+
+    @property
+    def steps(self) -> int:
+        """Control steps, at least one."""
+        return max(1, round(self.minutes * 60.0 / CONTROL_STEP))
+
+
+def simulate(
+    config: RunConfig,
+    effects: tuple[str, ...],
+    out: Path,
+    progress: Callable[[int], None] = lambda step: None,
+) -> dict[str, float]:
+    """Run one experiment and write its files into an existing directory.
+
+    Args:
+        config: What to run.
+        effects: SPECs of what to hide in reality.
+        out: Directory for the tables, `run.json` and `truth.json`.
+        progress: Called with the number of control steps done, about once a simulated second.
+
+    Returns:
+        Totals: deposits, radio messages, wall seconds.
+
+    Raises:
+        InputError: an effect, model or reading that cannot be used.
+        ArithmeticError: the physics or the point model diverged; says where.
+    """
+    began = time.perf_counter()
+    hidden = parse_effects(effects, config.robots)
+    behaviour = Behaviour()
+    world_seed, swarm_seed, evolution_seed, start_seed = np.random.SeedSequence(config.seed).spawn(4)
+    breeder = _breeder(config, behaviour, evolution_seed)
+    starts = np.random.default_rng(start_seed).uniform(0.0, k.START_WITHIN, config.robots)
+    swarm = Swarm(
+        swarm_seed,
+        breeder=breeder,
+        behaviour=behaviour,
+        start_steps=np.minimum(np.round(starts / CONTROL_STEP), config.steps - 1).astype(np.int64),
+    )
+    world = World(config.robots, world_seed, effects=hidden)
+    try:
+        with Recorder(out, config.case, run_name(config), config.robots, config.samples) as recorder:
+            _loop(config, world, swarm, recorder, progress)
+            messages = world.radio.messages
+            tables = recorder.finish(swarm)
+    finally:
+        world.close()
+    totals = {
+        "deposits": float(len(tables.deposits)),
+        "radio_messages": float(messages),
+        "wall_seconds": time.perf_counter() - began,
+    }
+    _write_notes(out, config, hidden, totals)
+    return totals
+
+
+def run_name(config: RunConfig) -> str:
+    """Name of a run in its tables."""
+    return f"{config.case}-{config.controller}-{config.seed}"
+
+
+def _breeder(
+    config: RunConfig, behaviour: Behaviour, seed: np.random.SeedSequence
+) -> Breeder:
+    if config.controller in FIXED_GENOMES:
+        return Fixed(FIXED_GENOMES[config.controller])
+    return CoEvolution(
+        seed.spawn(config.robots),
+        models=[load_model(config.model)] * config.robots,
+        behaviour=behaviour,
+        reading=reading(config.reading),
+        trials=config.trials,
+    )
+
+
+def _loop(
+    config: RunConfig,
+    world: World,
+    swarm: Swarm,
+    recorder: Recorder,
+    progress: Callable[[int], None],
+) -> None:
+    """The 40 ms loop: sense, control, record, act."""
+    first, second = HALVES[config.case]
+    half = config.steps // 2
+    world.light.set_scenario(first)
+    scenario = first
+    tracker = world.tracker
+    for step in range(config.steps):
+        if step == half and second != first:
+            world.light.set_scenario(second)
+            scenario = second
+        world.sense()
+        tracker.locate(swarm.carrying)
+        swarm.step(
+            step, world.infrared.counts, world.light.counts, tracker.on_food, tracker.on_nest
+        )
+        if swarm.picked.any():
+            for robot in np.flatnonzero(swarm.picked).tolist():
+                world.replace_food(robot)
+        if step % RADIO_STEPS == 0:
+            world.radio.exchange(world.poses, swarm.active)
+            swarm.hear(world.radio.heard, step)
+        recorder.sample(step, world, swarm, scenario)
+        world.act(swarm.commands)
+        if step % 25 == 0:
+            progress(step)
+    progress(config.steps)
+    swarm.finish(config.steps)
+
+
+def _write_notes(
+    out: Path, config: RunConfig, hidden: tuple[Hidden, ...], totals: dict[str, float]
+) -> None:
+    from studies.provenance import versions, write_json
+
+    write_json(
+        out / "run.json",
+        {
+            "schema": 1,
+            "config": config.model_dump(),
+            "seed": config.seed,
+            "versions": versions(),
+            **totals,
+        },
+    )
+    write_json(out / "truth.json", {"effects": [effect.truth() for effect in hidden]})
+
+
+__all__ = ["FIXED_GENOMES", "HALVES", "Case", "Controller", "RunConfig", "RunTables", "simulate"]
