@@ -7,7 +7,7 @@ whose S0 may or may not be the one that bred the running controller (III-G, III-
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -71,12 +71,19 @@ READINGS: Mapping[str, Reading] = {
 }
 
 
-def reading(name: str) -> Reading:
-    """A reading by name.
+def reading(
+    name: str, *, environment_sd: float | None = None, bounding: Bounding | None = None
+) -> Reading:
+    """A reading by name, with the s.d. of S0's mutation and the bounding rule replaced if given.
 
     Raises:
         InputError: no such reading.
     """
     if name not in READINGS:
         raise InputError("--reading", repr(name), nearest(name, READINGS))
-    return READINGS[name]
+    named = READINGS[name]
+    return replace(
+        named,
+        environment_sd=named.environment_sd if environment_sd is None else environment_sd,
+        bounding=bounding or named.bounding,
+    )

@@ -26,6 +26,16 @@ class Lamp:
     exponent: float = k.LIGHT_EXPONENT
 
 
+def lamp_power(range_m: float) -> float:
+    """Counts m^2 at which a facing sensor of a robot `range_m` from the lamp reads 40 counts.
+
+    40 counts is the contrast that the light behaviours ask for; `LAMP_POWER` is this at 0.8 m.
+    """
+    ahead = max(range_m - k.BODY_RADIUS, k.BODY_RADIUS)
+    squared = ahead**2 + (k.LAMP_HEIGHT - k.SENSOR_HEIGHT) ** 2
+    return 40.0 * float(squared**1.5) / ahead
+
+
 @dataclass
 class Hardware:
     """Everything physical about a swarm and its arena."""

@@ -32,6 +32,7 @@ class World:
         *,
         effects: Sequence[Hidden] = (),
         poses: FloatArray | None = None,
+        lamp_power: float = k.LAMP_POWER,
     ) -> None:
         """Build the arena and put the robots down.
 
@@ -40,6 +41,7 @@ class World:
             seed: Spawned by purpose: places, food, infrared, light, tracker.
             effects: What to hide in it.
             poses: (robots, 3) m, m, rad to start from; drawn at random when absent.
+            lamp_power: counts m^2.
 
         Raises:
             InputError: the robots do not fit into the arena.
@@ -48,6 +50,7 @@ class World:
             np.random.default_rng(child) for child in seed.spawn(5)
         )
         hardware = Hardware.nominal(robots)
+        hardware.lamp.power = lamp_power
         for hidden in effects:
             hidden.hide(hardware)
         self.robots = robots

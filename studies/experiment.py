@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -16,10 +17,11 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from embedded_sim import CONTROL_STEP, SCENARIOS, Behaviour
 from embedded_sim.onboard import Breeder, CoEvolution, Fixed, Swarm
-from embedded_sim.reading import reading
+from embedded_sim.reading import Bounding, reading
 from models import load_model
 from reality import constants as k
 from reality.effects import parse_effects
+from reality.hardware import lamp_power
 from reality.world import World
 from studies.recorder import Recorder, RunTables
 
@@ -72,6 +74,12 @@ class RunConfig(BaseModel):
     trials: Annotated[int, Field(ge=1, le=1000)] = 1
     genome: Literal["paper"] = "paper"
     samples: bool = True
+    environment_sd: Annotated[float, Field(gt=0.0, le=10.0)] | None = None
+    """s.d. of S0's mutation; None: as the reading has it."""
+    bounding: Bounding | None = None
+    """Rule for genes out of range; None: as the reading has it."""
+    lamp_range: Annotated[float, Field(ge=0.1, le=10.0)] | None = None
+    """m from the lamp at which its contrast fades; None: the nominal lamp."""
 
     @property
     def steps(self) -> int:
@@ -112,7 +120,7 @@ def simulate(
         behaviour=behaviour,
         start_steps=np.minimum(np.round(starts / CONTROL_STEP), config.steps - 1).astype(np.int64),
     )
-    world = World(config.robots, world_seed, effects=hidden)
+    world = World(config.robots, world_seed, effects=hidden, lamp_power=_lamp_power(config))
     try:
         with Recorder(out, config.case, run_name(config), config.robots, config.samples) as recorder:
             _loop(config, world, swarm, recorder, progress)
@@ -139,13 +147,23 @@ def _breeder(
 ) -> Breeder:
     if config.controller in FIXED_GENOMES:
         return Fixed(FIXED_GENOMES[config.controller])
+    model = load_model(config.model)
+    if config.lamp_range is not None:  # a lab would capture its tables from this lamp
+        model = replace(model, lamp_gain=model.lamp_gain * _lamp_power(config) / k.LAMP_POWER)
     return CoEvolution(
         seed.spawn(config.robots),
-        models=[load_model(config.model)] * config.robots,
+        models=[model] * config.robots,
         behaviour=behaviour,
-        reading=reading(config.reading),
+        reading=reading(
+            config.reading, environment_sd=config.environment_sd, bounding=config.bounding
+        ),
         trials=config.trials,
     )
+
+
+def _lamp_power(config: RunConfig) -> float:
+    """Counts m^2 of the run's lamp."""
+    return k.LAMP_POWER if config.lamp_range is None else lamp_power(config.lamp_range)
 
 
 def _loop(
