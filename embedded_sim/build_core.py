@@ -10,7 +10,8 @@ CORE = HERE / "core"
 
 # -ffp-contract=off: no fused multiply-adds, so that every machine rounds alike.
 # -fno-math-errno -fno-trapping-math change no result; they let gcc inline sqrt and fmin.
-COMPILE = ["-std=c11", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
+# -O2: measured a quarter faster than -O3 here, which vectorises short loops at a loss.
+COMPILE = ["-std=c11", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
 DEVELOPMENT = ["-Wall", "-Wextra", "-Wno-unused-parameter", "-Werror"]
 
 

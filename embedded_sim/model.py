@@ -107,6 +107,13 @@ class PointModel:
     ls_gain: tuple[float, ...] = (1.0,) * SENSORS
 
     @cached_property
+    def _around(self) -> npt.NDArray[np.float32]:
+        """The light table with its circle of bearings three times over, as C looks it up."""
+        assert self.tables is not None
+        circle = self.tables.ls_counts
+        return np.ascontiguousarray(np.hstack([circle, circle, circle, circle[:, :1]]))
+
+    @cached_property
     def struct(self) -> Any:
         """The C struct `rg_model`; lives as long as this object.
 
@@ -122,7 +129,7 @@ class PointModel:
         struct.drive = self.drive.struct()[0]
         struct.tables.ps_counts = ffi.from_buffer("float[]", t.ps_counts)
         struct.tables.ps_distances, struct.tables.ps_incidences = shape[1], shape[2]
-        struct.tables.ls_counts = ffi.from_buffer("float[]", t.ls_counts)
+        struct.tables.ls_counts = ffi.from_buffer("float[]", self._around)
         struct.tables.ls_distances, struct.tables.ls_bearings = light
         struct.tables.ps_noise = t.ps_noise.tolist()
         for name in ("ps_range", "ps_noise_floor", "ls_range", "ls_dark", "ls_noise", "counts_max"):

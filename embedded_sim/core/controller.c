@@ -8,6 +8,7 @@
 
 #include "random.h"
 #include "realitygap_core.h"
+#include "small.h"
 
 int32_t rg_third(double gene) { return gene < 0.33 ? 0 : gene < 0.66 ? 1 : 2; }
 
@@ -36,10 +37,10 @@ static int rg_turns_away(const rg_behaviour *b, rg_controller *c, const double *
     if (c->avoid_steps <= memory) {
         double right = 0.0, left = 0.0; /* strongest reading on each side, in thresholds */
         for (int k = 0; k < 4; k++) {
-            right = fmax(right, ps[k] / b->avoid_threshold[k]);
-            left = fmax(left, ps[7 - k] / b->avoid_threshold[7 - k]);
+            right = rg_max(right, ps[k] / b->avoid_threshold[k]);
+            left = rg_max(left, ps[7 - k] / b->avoid_threshold[7 - k]);
         }
-        if (fmax(right, left) >= 1.0) {
+        if (rg_max(right, left) >= 1.0) {
             if (c->avoid_steps == 0)
                 c->avoid_direction = right > left ? 1 : -1;
             c->avoid_steps = memory + (int32_t)lround(b->avoid_duration / b->control_step);
@@ -66,8 +67,8 @@ static double rg_search(const rg_behaviour *b, rg_controller *c) {
 static double rg_light_bearing(const rg_behaviour *b, const double *ls, int *seen) {
     double dark = ls[0], bright = ls[0];
     for (int k = 1; k < RG_SENSORS; k++) {
-        dark = fmax(dark, ls[k]);
-        bright = fmin(bright, ls[k]);
+        dark = rg_max(dark, ls[k]);
+        bright = rg_min(bright, ls[k]);
     }
     *seen = dark - bright >= b->light_contrast;
     if (!*seen)
@@ -96,8 +97,8 @@ void rg_control(const rg_behaviour *b, const double genome[2], rg_controller *c,
         if (seen) {
             if (taxis < 0)
                 bearing -= copysign(0.5 * 6.28318530717958647692, bearing);
-            turn = fmin(fmax(b->light_gain * bearing, -2.0), 2.0) + b->light_search * turn;
-            turn = fmin(fmax(turn, -2.0), 2.0);
+            turn = rg_clip(b->light_gain * bearing, -2.0, 2.0) + b->light_search * turn;
+            turn = rg_clip(turn, -2.0, 2.0);
         }
     }
     const double inner = b->cruise_speed * (1.0 - fabs(turn));

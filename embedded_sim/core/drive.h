@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "realitygap_core.h"
+#include "small.h"
 
 /* Angle (rad) wheel `side` turns in h seconds towards a delivered command, advancing its speed.
  * Chain: dead zone, saturation, droop, first-order lag, acceleration limit. At the null values every
@@ -12,7 +13,7 @@
 static inline double rg_wheel_advance(const rg_drive *d, int side, double *speed, double command,
                                       double h, double time) {
     const double magnitude = fabs(command) < d->dead_zone[side] ? 0.0 : fabs(command);
-    const double reached = fmin(magnitude, d->speed_limit[side]) * (1.0 - d->droop_rate * time);
+    const double reached = rg_min(magnitude, d->speed_limit[side]) * (1.0 - d->droop_rate * time);
     const double target = copysign(reached, command);
     const double start = *speed;
     const double step = target - start;
@@ -34,18 +35,27 @@ static inline double rg_wheel_advance(const rg_drive *d, int side, double *speed
     return turned;
 }
 
-/* Move a pose along the exact circular arc of wheels turned by left and right (rad). */
-static inline void rg_arc(const rg_drive *d, double left, double right, double *pose) {
+/* Move a pose along the exact circular arc of wheels turned by left and right (rad). `heading` is
+ * the cosine and sine of yaw: it is turned with the pose, so that a step costs one sine and cosine. */
+static inline void rg_arc(const rg_drive *d, double left, double right, double *pose,
+                          double *heading) {
     const double sl = d->wheel_radius[0] * left;
     const double sr = d->wheel_radius[1] * right;
     const double turn = (sr - sl) / d->axle;
     const double half = 0.5 * turn;
+    const double sine = sin(half), cosine = cos(half);
     /* chord of an arc: length * sin(half) / half; its series below 1e-4 rad is exact to 1e-18 */
-    const double ratio = fabs(half) < 1e-4 ? 1.0 - half * half / 6.0 : sin(half) / half;
+    const double ratio = fabs(half) < 1e-4 ? 1.0 - half * half / 6.0 : sine / half;
     const double chord = 0.5 * (sl + sr) * ratio;
-    pose[0] += chord * cos(pose[2] + half);
-    pose[1] += chord * sin(pose[2] + half);
+    const double c = heading[0], s = heading[1];
+    pose[0] += chord * (c * cosine - s * sine);
+    pose[1] += chord * (s * cosine + c * sine);
     pose[2] += turn;
+    const double turned_c = cosine * cosine - sine * sine, turned_s = 2.0 * sine * cosine;
+    const double next_c = c * turned_c - s * turned_s, next_s = s * turned_c + c * turned_s;
+    const double unit = 1.5 - 0.5 * (next_c * next_c + next_s * next_s); /* rounding, undone */
+    heading[0] = next_c * unit;
+    heading[1] = next_s * unit;
 }
 
 #endif

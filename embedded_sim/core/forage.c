@@ -6,9 +6,11 @@
 #include "random.h"
 #include "realitygap_core.h"
 #include "sensors.h"
+#include "small.h"
 
 typedef struct {
     double pose[3];
+    double heading[2]; /* cosine and sine of yaw */
     rg_motors motors;
     rg_controller controller;
     rg_random random; /* places and noise; the controller has its own stream */
@@ -45,6 +47,8 @@ static void rg_start(const rg_model *m, rg_forager *f, const uint32_t seed[4]) {
     rg_controller_start(&f->controller, own);
     rg_place(m, &f->random, &f->pose[0], &f->pose[1]);
     f->pose[2] = RG_TWO_PI * rg_uniform(&f->random);
+    f->heading[0] = cos(f->pose[2]);
+    f->heading[1] = sin(f->pose[2]);
     for (int i = 0; i < m->food_items; i++)
         rg_place_food(m, f, i);
 }
@@ -63,16 +67,19 @@ static int rg_food_here(const rg_model *m, const rg_forager *f) {
 
 static void rg_sense(const rg_model *m, rg_forager *f, int scenario, double *ps, double *ls) {
     const rg_tables *t = &m->tables;
-    const double c = cos(f->pose[2]), s = sin(f->pose[2]);
+    const double c = f->heading[0], s = f->heading[1];
     rg_ps(m, f->pose[0], f->pose[1], c, s, ps);
     rg_ls(m, scenario, f->pose[0], f->pose[1], c, s, ls);
+    uint32_t bits[RG_SENSORS]; /* two 16-bit uniforms each: enough for a 12-bit converter */
+    for (int k = 0; k < RG_SENSORS; k++)
+        bits[k] = rg_next(&f->random);
     for (int k = 0; k < RG_SENSORS; k++) {
-        double a, b;
-        rg_noise_pair(&f->random, &a, &b);
-        ps[k] += (t->ps_noise[k] * ps[k] + t->ps_noise_floor) * a;
-        ls[k] += t->ls_noise * b;
-        ps[k] = fmin(fmax(ps[k], 0.0), t->counts_max);
-        ls[k] = fmin(fmax(ls[k], 0.0), t->counts_max);
+        const double a = (double)(int16_t)(bits[k] >> 16) * 0x1p-15;
+        const double b = (double)(int16_t)(bits[k] & 0xffffu) * 0x1p-15;
+        const double near = ps[k] + (t->ps_noise[k] * ps[k] + t->ps_noise_floor) * a;
+        const double light = ls[k] + t->ls_noise * b;
+        ps[k] = rg_clip(near, 0.0, t->counts_max);
+        ls[k] = rg_clip(light, 0.0, t->counts_max);
     }
 }
 
@@ -94,13 +101,13 @@ static void rg_drive_step(const rg_model *m, rg_forager *f, const double command
         const double *c = rg_past(motors, whole + 1);
         const double l = rg_wheel_advance(d, 0, &motors->speed[0], c[0], old, motors->time);
         const double r = rg_wheel_advance(d, 1, &motors->speed[1], c[1], old, motors->time);
-        rg_arc(d, l, r, f->pose);
+        rg_arc(d, l, r, f->pose, f->heading);
     }
     const double *c = rg_past(motors, whole);
     const double rest = m->control_step - old;
     const double l = rg_wheel_advance(d, 0, &motors->speed[0], c[0], rest, motors->time);
     const double r = rg_wheel_advance(d, 1, &motors->speed[1], c[1], rest, motors->time);
-    rg_arc(d, l, r, f->pose);
+    rg_arc(d, l, r, f->pose, f->heading);
     motors->time += m->control_step;
     /* the wall stops the robot where it touches: it slides along, keeping its heading */
     const double reach = m->arena_radius - m->body_radius;

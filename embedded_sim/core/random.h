@@ -22,13 +22,6 @@ static inline uint32_t rg_next(rg_random *r) {
 /* uniform in [0, 1) */
 static inline double rg_uniform(rg_random *r) { return rg_next(r) * 0x1p-32; }
 
-/* two uniforms in [-1, 1), 16 bits each: enough for the noise of a 12-bit converter */
-static inline void rg_noise_pair(rg_random *r, double *a, double *b) {
-    const uint32_t bits = rg_next(r);
-    *a = (double)(int16_t)(bits >> 16) * 0x1p-15;
-    *b = (double)(int16_t)(bits & 0xffffu) * 0x1p-15;
-}
-
 /* The all-zero state is a fixed point of the generator; it is replaced by an arbitrary constant. */
 static inline void rg_seed(rg_random *r, const uint32_t seed[4]) {
     for (int i = 0; i < 4; i++)

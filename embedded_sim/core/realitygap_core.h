@@ -47,7 +47,8 @@ typedef struct {
     double ps_noise[8];         /* half width of uniform noise, relative to the reading */
     double ps_noise_floor;      /* half width of uniform noise, counts */
     /* light: counts below dark, [distance][bearing]; the distance axis is range * u^2 with u
-     * uniform in [0, 1], bearings (sensor axis to lamp) start at -pi and are uniform on the circle */
+     * uniform in [0, 1], bearings (sensor axis to lamp) start at -pi and are uniform on the circle,
+     * which a row holds three times and one node more, so that no lookup has to wrap */
     const float *ls_counts;
     int32_t ls_distances, ls_bearings;
     double ls_range;            /* m */

@@ -10,7 +10,7 @@
  * the command at the motors (first - 1: none yet, at rest); it only moves forward. */
 static void rg_replay_interval(const rg_drive *d, const double *t, const double *commands,
                                int64_t first, int64_t row, int64_t *arrived, double *speed,
-                               double *pose) {
+                               double *pose, double *heading) {
     double now = t[row];
     const double end = t[row + 1];
     while (now < end) {
@@ -18,14 +18,14 @@ static void rg_replay_interval(const rg_drive *d, const double *t, const double 
             ++*arrived;
         double until = end;
         if (*arrived < row)
-            until = fmin(end, t[*arrived + 1] + d->latency);
+            until = rg_min(end, t[*arrived + 1] + d->latency);
         const int moving = *arrived >= first;
         const double left = moving ? commands[2 * *arrived] : 0.0;
         const double right = moving ? commands[2 * *arrived + 1] : 0.0;
         const double h = until - now, since = now - t[first];
         const double l = rg_wheel_advance(d, 0, &speed[0], left, h, since);
         const double r = rg_wheel_advance(d, 1, &speed[1], right, h, since);
-        rg_arc(d, l, r, pose);
+        rg_arc(d, l, r, pose, heading);
         now = until;
     }
 }
@@ -36,6 +36,7 @@ int32_t rg_replay(const rg_drive *drive, int32_t segments, const int64_t *start,
     for (int32_t k = 0; k < segments; k++) {
         const int64_t first = start[k], last = start[k + 1] - 1;
         double pose[3] = {initial[3 * k], initial[3 * k + 1], initial[3 * k + 2]};
+        double heading[2] = {cos(pose[2]), sin(pose[2])};
         double speed[2] = {0.0, 0.0};
         int64_t arrived = first - 1;
         for (int64_t row = first; row <= last; row++) {
@@ -50,7 +51,7 @@ int32_t rg_replay(const rg_drive *drive, int32_t segments, const int64_t *start,
                 return RG_NOT_FINITE;
             }
             if (row < last)
-                rg_replay_interval(drive, t, commands, first, row, &arrived, speed, pose);
+                rg_replay_interval(drive, t, commands, first, row, &arrived, speed, pose, heading);
         }
     }
     return RG_OK;
@@ -69,7 +70,7 @@ int32_t rg_readings(const rg_model *m, int64_t rows, const double *poses, const 
             double *out = ps + RG_SENSORS * row;
             rg_ps(m, pose[0], pose[1], c, s, out);
             for (int k = 0; k < RG_SENSORS; k++)
-                out[k] = fmin(out[k], m->tables.counts_max);
+                out[k] = rg_min(out[k], m->tables.counts_max);
         }
         if (ls != NULL)
             rg_ls(m, scenarios[row], pose[0], pose[1], c, s, ls + RG_SENSORS * row);

@@ -6,12 +6,13 @@
 #include <string.h>
 
 #include "realitygap_core.h"
+#include "small.h"
 
 #define RG_TWO_PI 6.28318530717958647692
 
 /* Lower node and weight of the upper node, on a uniform axis of n nodes over [0, 1]. */
 static inline int rg_node(double u, int n, double *weight) {
-    const double s = fmin(fmax(u, 0.0), 1.0) * (n - 1);
+    const double s = rg_clip(u, 0.0, 1.0) * (n - 1);
     int i = (int)s;
     if (i > n - 2)
         i = n - 2;
@@ -25,13 +26,14 @@ static inline double rg_wall_reading(const rg_model *m, int k, double x, double 
     const rg_tables *t = &m->tables;
     const double px = x + m->body_radius * ux, py = y + m->body_radius * uy;
     const double along = px * ux + py * uy;
-    const double inside = along * along + m->arena_radius * m->arena_radius - px * px - py * py;
+    const double margin = m->arena_radius * m->arena_radius - px * px - py * py;
+    if (t->ps_range * (2.0 * along + t->ps_range) <= margin)
+        return 0.0; /* the ray ends before the wall */
+    const double inside = along * along + margin;
     if (inside <= 0.0)
         return 0.0; /* the rim is outside and looks away: contact is not the point model's business */
     const double root = sqrt(inside);
-    const double distance = fmax(root - along, 0.0);
-    if (distance > t->ps_range)
-        return 0.0;
+    const double distance = rg_max(root - along, 0.0);
     double wd, wi;
     const int i = rg_node(sqrt(distance / t->ps_range), t->ps_distances, &wd);
     const int j = rg_node(root / m->arena_radius, t->ps_incidences, &wi);
@@ -70,21 +72,19 @@ static inline void rg_ls(const rg_model *m, int scenario, double x, double y, do
     const double bearing = atan2(c * dy - s * dx, c * dx + s * dy);
     double wd;
     const int i = rg_node(sqrt(sqrt(dx * dx + dy * dy) / t->ls_range), t->ls_distances, &wd);
-    const float *low = t->ls_counts + (int64_t)i * t->ls_bearings;
-    const float *high = low + t->ls_bearings;
+    const int around = 3 * t->ls_bearings + 1;
+    const float *low = t->ls_counts + (int64_t)i * around;
+    const float *high = low + around;
     const double per_rad = t->ls_bearings / RG_TWO_PI;
+    const double gain = m->lamp_gain;
     for (int k = 0; k < RG_SENSORS; k++) {
-        double at = (bearing - m->sensor_angle[k] + 0.5 * RG_TWO_PI) * per_rad;
-        if (at < 0.0)
-            at += t->ls_bearings;
-        int j = (int)at;
+        /* bearing and sensor angle lie in [-pi, pi]: the three copies of the circle hold any sum */
+        const double at = (bearing - m->sensor_angle[k] + 1.5 * RG_TWO_PI) * per_rad;
+        const int j = (int)at;
         const double wb = at - j;
-        if (j >= t->ls_bearings)
-            j -= t->ls_bearings;
-        const int next = j + 1 == t->ls_bearings ? 0 : j + 1;
-        const double lit = (1.0 - wd) * ((1.0 - wb) * low[j] + wb * low[next]) +
-                           wd * ((1.0 - wb) * high[j] + wb * high[next]);
-        ls[k] = fmax(t->ls_dark - m->ls_gain[k] * m->lamp_gain * lit, 0.0);
+        const double lit = (1.0 - wd) * ((1.0 - wb) * low[j] + wb * low[j + 1]) +
+                           wd * ((1.0 - wb) * high[j] + wb * high[j + 1]);
+        ls[k] = rg_max(t->ls_dark - m->ls_gain[k] * gain * lit, 0.0);
     }
 }
 

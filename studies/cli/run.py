@@ -1,0 +1,79 @@
+"""`realitygap run`: one experiment."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from studies.cli import app
+from studies.cli.options import Force, Out, Quiet
+
+EXAMPLE = """Example: realitygap run --case light-at-nest --minutes 10 --seed 1 --out out/run1"""
+
+
+@app.command(epilog=EXAMPLE)
+def run(
+    out: Out,
+    case: Annotated[
+        str,
+        typer.Option(
+            help="no-light, light-at-nest, light-opposite-nest, at-nest-to-opposite or "
+            "opposite-to-at-nest."
+        ),
+    ] = "light-at-nest",
+    controller: Annotated[
+        str,
+        typer.Option(help="coevolution, search, positive-phototaxis or negative-phototaxis."),
+    ] = "coevolution",
+    minutes: Annotated[float, typer.Option(help="Simulated minutes.")] = 60.0,
+    robots: Annotated[int, typer.Option(help="How many e-pucks.")] = 10,
+    seed: Annotated[int, typer.Option(help="Everything random follows from it.")] = 0,
+    effect: Annotated[
+        Optional[list[str]],  # noqa: UP045 - typer reads this at run time
+        typer.Option(help="NAME:key=value[,key=value...] to hide in reality; repeatable."),
+    ] = None,
+    model: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Model file on board; the shipped e-puck if absent."),
+    ] = None,
+    reading: Annotated[
+        str, typer.Option(help="Of the paper: default, literal, neutral, reflect or wrap.")
+    ] = "default",
+    trials: Annotated[int, typer.Option(help="Embedded trials per genome.")] = 1,
+    genome: Annotated[str, typer.Option(help="paper: the two genes G0 and G1.")] = "paper",
+    no_samples: Annotated[bool, typer.Option("--no-samples", help="No samples.parquet.")] = False,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Let a swarm forage in the pybullet world and write what was measured.
+
+    Writes run.json, generations.parquet, deposits.parquet, samples.parquet (the measured log) and,
+    apart from them, truth.json: what was hidden with --effect.
+    """
+    from studies.experiment import simulate
+    from studies.output import whole_directory
+    from studies.progress import Progress
+    from studies.settings import run_config
+
+    config = run_config(
+        case=case,
+        controller=controller,
+        minutes=minutes,
+        robots=robots,
+        seed=seed,
+        model=None if model is None else str(model),
+        reading=reading,
+        trials=trials,
+        genome=genome,
+        samples=not no_samples,
+    )
+    with whole_directory(out, force=force) as part, Progress("run", config.steps, quiet) as shown:
+        totals = simulate(config, tuple(effect or ()), part, shown.reach)
+    if not quiet:
+        speed = config.minutes * 60.0 / totals["wall_seconds"]
+        shown.say(
+            f"{totals['deposits']:.0f} items brought to the nest, "
+            f"{speed:.0f} times real time; tables in {out}"
+        )
