@@ -16,6 +16,7 @@ import pyarrow.parquet as pq
 
 from embedded_sim import Drive, InputError
 from embedded_sim.model import FloatArray
+from models.plausible import check_units
 from models.schema import (
     BODY_COMMANDS,
     KEYS,
@@ -25,6 +26,7 @@ from models.schema import (
     check_columns,
     coerce,
 )
+from models.tracker import repair
 
 SAMPLES = "samples.parquet"
 GAP_STEPS = 3.5
@@ -118,6 +120,10 @@ def make_log(frame: pd.DataFrame, *, drive: Drive) -> MeasuredLog:
     table = coerce(frame)
     if "run" not in table:
         table = table.assign(run="run")
+    repeated = table.duplicated()
+    if repeated.any():
+        notes.append(f"{repeated.sum()} repeated rows dropped")
+        table = table[~repeated]
     usable, dropped = _without_holes(table)
     if dropped.any():
         notes.append(f"{dropped.sum()} rows without time or command dropped")
@@ -136,18 +142,22 @@ def make_log(frame: pd.DataFrame, *, drive: Drive) -> MeasuredLog:
     gaps = int((inside & breaks).sum())
     if gaps:
         notes.append(f"{gaps} gaps in time: nothing is replayed across them")
-    tracked = np.isfinite(usable[list(POSE)].to_numpy()).all(axis=1)
-    if not tracked.all():
-        notes.append(f"{(~tracked).sum()} rows without a measured pose set aside")
+    commands, poses = wheel_commands(usable, drive), usable[list(POSE)].to_numpy(dtype=np.float64)
+    check_units(t, poses, commands, start, drive=drive)
+    stretch = np.concatenate([[0], np.cumsum(breaks)])
+    segment = np.repeat(np.arange(len(segments)), np.diff(start))
+    names = [f"robot {r} in run {run}" for run, r in segments.itertuples(index=False)]
+    fastest = float(np.abs(0.5 * commands @ np.array(drive.wheel_radius)).max())
+    track = repair(poses, t, stretch, segment, names, fastest)
     return MeasuredLog(
         frame=usable,
         start=start,
         segments=segments,
-        commands=wheel_commands(usable, drive),
-        tracked=tracked,
-        stretch=np.concatenate([[0], np.cumsum(breaks)]),
+        commands=commands,
+        tracked=track.tracked,
+        stretch=stretch + np.cumsum(track.jumps),
         step=step,
-        notes=tuple(notes),
+        notes=(*notes, *track.notes),
     )
 
 
@@ -185,18 +195,29 @@ def _segments(frame: pd.DataFrame) -> tuple[npt.NDArray[np.int64], pd.DataFrame]
 
 
 def _check_time(t: FloatArray, start: npt.NDArray[np.int64], segments: pd.DataFrame) -> None:
-    """Refuse time that does not increase within a robot's run."""
-    wrong = np.diff(t) <= 0
-    wrong[start[1:-1] - 1] = False
-    if not wrong.any():
+    """Refuse time that does not increase within a robot's run, and say what it looks like."""
+    step = np.diff(t)
+    step[start[1:-1] - 1] = np.inf
+    wrong = np.flatnonzero(step <= 0)
+    if not len(wrong):
         return
-    row = int(np.flatnonzero(wrong)[0])
-    who = segments.iloc[int(np.searchsorted(start, row, side="right")) - 1]
-    raise InputError(
-        f"t of robot {who['robot']} in run {who['run']}",
-        f"{t[row + 1]:g} s after {t[row]:g} s ({int(wrong.sum())} such rows)",
-        "time that increases: sort the rows, drop repeated ones, give each robot its own number",
-    )
+    row = int(wrong[0])
+    segment = int(np.searchsorted(start, row, side="right")) - 1
+    first, last = start[segment], start[segment + 1]
+    who = segments.iloc[segment]
+    field = f"t of robot {who['robot']} in run {who['run']}"
+    values, count = np.unique(t[first:last], return_counts=True)
+    twice = int((count > 1).sum())
+    if len(values) == 1:
+        raise InputError(
+            field, f"{values[0]:g} s in all {last - first} rows", "time that increases"
+        )
+    if 2 * twice > len(values):
+        seen = f"{twice} of {len(values)} times more than once, with different rows"
+        raise InputError(field, seen, "one robot per id: give two robots two numbers")
+    inside = (wrong >= first) & (wrong < last)
+    seen = f"{t[row + 1]:g} s after {t[row]:g} s, and {int(inside.sum()) - 1} more such rows"
+    raise InputError(field, seen, "increasing time: sort the rows by t, keep one row per time")
 
 
 def write_table(frame: pd.DataFrame, path: Path) -> None:

@@ -6,13 +6,11 @@ poses of that one replay, so all robots, windows and horizons cost one call into
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-import numpy.typing as npt
 
 from embedded_sim import Drive, replay
 from embedded_sim.model import FloatArray
+from models.frames import Rows, Windows, motion, wrapped
 from models.log import GAP_STEPS, MeasuredLog
 
 HORIZONS = {"step": 0.0, "0.4 s": 0.4, "1 s": 1.0, "5 s": 5.0, "20 s": 20.0}
@@ -22,17 +20,6 @@ TOLERANCE = 0.3
 CHANNELS = ("along", "across", "heading")
 """Error at a window's end in the frame of its start pose: m ahead, m to the left, rad."""
 
-Rows = npt.NDArray[np.int64]
-
-
-class Windows(NamedTuple):
-    """Pairs of rows of a log, both tracked, in one stretch."""
-
-    first: Rows
-    """(windows,) row at the start."""
-    last: Rows
-    """(windows,) row at the end."""
-
 
 def windows(log: MeasuredLog, length: float, *, apart: bool = False) -> Windows:
     """All windows of a length (s; 0: one row), from every tracked row at which one starts.
@@ -40,7 +27,8 @@ def windows(log: MeasuredLog, length: float, *, apart: bool = False) -> Windows:
     Args:
         log: The measured log.
         length: s, or 0 for one row.
-        apart: Only windows that do not overlap, as statistics of independent samples need.
+        apart: Only windows with at least one whole row between them, as statistics of independent
+            samples need: no measurement is shared, and the row between is free to say where it was.
     """
     rows = len(log.t)
     first = np.arange(rows)
@@ -54,7 +42,7 @@ def windows(log: MeasuredLog, length: float, *, apart: bool = False) -> Windows:
         ok = np.abs(took - length) <= min(TOLERANCE * length, 0.5 * GAP_STEPS * log.step)
         first, last = first[ok], last[ok]
     found = Windows(first, last)
-    return _apart(found, log) if apart and length else found
+    return _apart(found, log) if apart else found
 
 
 def _row_after(log: MeasuredLog, length: float) -> Rows:
@@ -74,16 +62,18 @@ def _row_after(log: MeasuredLog, length: float) -> Rows:
 
 
 def _apart(found: Windows, log: MeasuredLog) -> Windows:
-    """Windows one after the other: those that first enter a new cell of a grid of their length."""
-    took = float(np.median(log.t[found.last] - log.t[found.first])) if len(found.first) else 1.0
+    """Windows one after the other: the first in each cell of a grid of length plus two steps."""
+    if not len(found.first):
+        return found
+    took = float(np.median(log.t[found.last] - log.t[found.first]))
     since = log.t[found.first] - log.t[log.start[:-1]][log.segment[found.first]]
-    cell = np.floor(since / took + 1e-6).astype(np.int64)
+    cell = np.floor((since + 0.25 * log.step) / (took + 2 * log.step)).astype(np.int64)
     stretch = log.stretch[found.first]
     new = np.ones(len(cell), dtype=bool)
     new[1:] = (cell[1:] != cell[:-1]) | (stretch[1:] != stretch[:-1])
     first, last = found.first[new], found.last[new]
     ok = np.ones(len(first), dtype=bool)
-    ok[1:] = (first[1:] >= last[:-1]) | (log.stretch[first[1:]] != log.stretch[first[:-1]])
+    ok[1:] = (first[1:] >= last[:-1] + 2) | (log.segment[first[1:]] != log.segment[first[:-1]])
     return Windows(first[ok], last[ok])
 
 
@@ -97,15 +87,6 @@ def replay_log(log: MeasuredLog, drive: Drive) -> FloatArray:
     return replay(log.t, log.commands, log.start, origin, drive=drive).poses
 
 
-def motion(poses: FloatArray, pairs: Windows) -> FloatArray:
-    """(windows, 3) how a pose changed over each window, in the frame of the window's start."""
-    change = poses[pairs.last] - poses[pairs.first]
-    c, s = np.cos(poses[pairs.first, 2]), np.sin(poses[pairs.first, 2])
-    along = c * change[:, 0] + s * change[:, 1]
-    across = c * change[:, 1] - s * change[:, 0]
-    return np.column_stack([along, across, wrapped(change[:, 2])])
-
-
 def errors(measured: FloatArray, replayed: FloatArray, pairs: Windows) -> FloatArray:
     """(windows, 3) measured minus predicted at each window's end; columns `CHANNELS`.
 
@@ -114,8 +95,3 @@ def errors(measured: FloatArray, replayed: FloatArray, pairs: Windows) -> FloatA
     error = motion(measured, pairs) - motion(replayed, pairs)
     error[:, 2] = wrapped(error[:, 2])
     return error
-
-
-def wrapped(angle: FloatArray) -> FloatArray:
-    """Angles (rad) as the same directions in [-pi, pi)."""
-    return (angle + np.pi) % (2 * np.pi) - np.pi

@@ -126,10 +126,15 @@ def coerce(frame: pd.DataFrame) -> pd.DataFrame:
         raise InputError(
             "robot", f"{known['robot'].isna().sum()} empty values", "a robot in each row"
         )
+    robots = pd.to_numeric(known["robot"], errors="coerce")
+    if (robots % 1 != 0).any():
+        raise InputError("column robot", known["robot"][robots % 1 != 0].iloc[0], "whole numbers")
     try:
         checked: pd.DataFrame = SCHEMA.validate(known)
     except pandera.errors.SchemaError as error:
         raise _refusal(error, known) from None
+    except pandera.errors.SchemaErrors as errors:
+        raise _refusal(errors.schema_errors[0], known) from None
     return checked
 
 
@@ -144,17 +149,12 @@ def _instead(name: str, unknown: list[str]) -> str:
 
 def _refusal(error: pandera.errors.SchemaError, frame: pd.DataFrame) -> InputError:
     """One line out of pandera's report."""
-    column = getattr(error.schema, "name", None) or "log"
-    unit = UNITS.get(str(column)) or "text or whole numbers"
     cases: Any = error.failure_cases
-    got = error.args[0] if cases is None else repr(_first_value(cases, frame, column))
-    check = getattr(error.check, "error", None)
-    said = check if isinstance(check, str) and "coerce" not in check else f"values in {unit}"
-    return InputError(f"column {column}", str(got).splitlines()[0][:120], said)
-
-
-def _first_value(cases: Any, frame: pd.DataFrame, column: object) -> object:
-    """The first value that failed."""
-    if isinstance(cases, pd.DataFrame) and len(cases) and "failure_case" in cases:
-        return cases["failure_case"].iloc[0]
-    return frame[column].iloc[0] if column in frame and len(frame) else cases
+    column = str(getattr(error.schema, "name", None) or error.column_name or "log")
+    wrong = cases["failure_case"].iloc[0] if isinstance(cases, pd.DataFrame) else cases
+    said = str(getattr(error.check, "error", None) or error.check or "")
+    if "coerce" in said or not said:
+        unit = UNITS.get(column) or ("whole numbers" if column == "robot" else "text")
+        said = {"bool": "true or false"}.get(unit, f"numbers ({unit})" if unit else "text")
+        said = "whole numbers" if column == "robot" else said
+    return InputError(f"column {column}", str(wrong).splitlines()[0][:80], said)

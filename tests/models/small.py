@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim import Drive, Tables, replay
+from embedded_sim import Drive, PointModel, Tables, readings, replay
 from embedded_sim.model import FloatArray
 
 ROOT = Path(__file__).parents[2]
@@ -72,4 +72,58 @@ def driven_log(
         columns = {"run": "a", "robot": robot, "t": times, "x": x, "y": y, "yaw": yaw}
         left, right = commands.T
         parts.append(pd.DataFrame({**columns, "cmd_left": left, "cmd_right": right}))
+    return pd.concat(parts, ignore_index=True)
+
+
+def arena_log(
+    seed: int = 0,
+    *,
+    robots: int = 3,
+    rows: int = 1500,
+    drive: Drive | None = None,
+    sensors: Tables | None = None,
+    position_noise: float = 0.0005,
+    heading_noise: float = 0.005,
+    case: str = "light-at-nest",
+) -> pd.DataFrame:
+    """A log made by the point model itself, robots staying within the e-puck's arena, with sensors.
+
+    `drive` is the drive the robots really have; all else is nominal.
+    """
+    rng = np.random.default_rng(np.random.SeedSequence([seed, 1]))
+    model = PointModel(tables=sensors or tables(), drive=drive or Drive())
+    t, hold = np.arange(rows) * 0.04, 20
+    parts = []
+    for robot in range(robots):
+        pose, commands, poses = rng.uniform([-0.3, -0.3, -3], [0.3, 0.3, 3]), [], []
+        for first in range(0, rows, hold):
+            n = min(hold + 1, rows - first)
+            ahead, wander = [], rng.uniform(-2, 6, 2)
+            for pair in (wander, np.array([4.0, -4.0]) * rng.choice([-1, 1])):
+                held = np.tile(pair, (n, 1))
+                ahead = replay(t[:n], held, [0, n], pose[None], drive=model.drive).poses
+                if np.hypot(*ahead[:, :2].T).max() < 0.56:
+                    break
+            poses.append(ahead[:hold])
+            commands.append(held[:hold])
+            pose = ahead[-1]
+        true, command = np.vstack(poses)[:rows], np.vstack(commands)[:rows]
+        read = readings(true, np.full(rows, {"light-at-nest": 2}.get(case, 1)), model=model)
+        noise = rng.uniform(-1, 1, (rows, 16))
+        ps = (
+            read.ps + (model.tables.ps_noise * read.ps + model.tables.ps_noise_floor) * noise[:, :8]
+        )
+        ls = read.ls + model.tables.ls_noise * noise[:, 8:]
+        sensed = np.clip(np.hstack([ps, ls]), 0, 4095)
+        spread = [position_noise, position_noise, heading_noise]
+        x, y, yaw = (true + rng.normal(0, 1, (rows, 3)) * spread).T
+        parts.append(
+            pd.DataFrame(
+                {"run": "a", "robot": robot, "t": t, "x": x, "y": y, "yaw": yaw}
+                | {"cmd_left": command[:, 0], "cmd_right": command[:, 1]}
+                | {f"ps{k}": sensed[:, k] for k in range(8)}
+                | {f"ls{k}": sensed[:, 8 + k] for k in range(8)}
+                | {"case": case}
+            )
+        )
     return pd.concat(parts, ignore_index=True)

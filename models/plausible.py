@@ -1,0 +1,236 @@
+"""Are the units what they should be? Physics answers: what was commanded against what was measured.
+
+A robot told to drive at 0.1 m/s does not move at 100 m/s, and one told to turn left does not turn
+right. The log is replayed under each usual mistake (milliseconds, millimetres, degrees, clockwise
+yaw, ...), over windows of about a second. If one mistake explains the measured motion and the log
+as it stands does not, the log is refused and the mistake named. Names of columns play no part, and
+a robot that simply drives badly agrees with no mistake better than with the truth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from embedded_sim import Drive, InputError, replay
+from embedded_sim.model import FloatArray
+from models.frames import Windows, motion, wrapped
+
+WINDOW = 1.0
+"""s; long against latencies of real robots (0.3 s), short against their drift."""
+STEPS = (1e-3, 2.0)
+"""s between rows that a log can have; beyond, time is in another unit."""
+SAMPLE = 20_000
+"""Rows looked at, from the start of every segment in turn: enough for any of these mistakes."""
+GOOD = 0.35
+"""Disagreement (0: none, 1: unrelated) below which motion agrees. A motor at half speed: 0.33."""
+BETTER = 0.5
+"""A mistake must halve the disagreement to be believed."""
+STILL = (2e-3, 2e-2)
+"""m, rad: a motion below this says nothing."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One way to read a log's numbers; the defaults are the right one."""
+
+    seen: str = ""
+    fix: str = ""
+    time: float = 1.0
+    length: float = 1.0
+    angle: float = 1.0
+    mirrored: bool = False
+    command: float = 1.0
+
+
+def mistakes(drive: Drive) -> list[Reading]:
+    """The usual mistakes, each with what to do about it."""
+    degree = np.pi / 180
+    radius = sum(drive.wheel_radius) / 2
+    lengths = [("millimetres", 1e-3), ("centimetres", 1e-2)]
+    times = [("milliseconds", 1e-3), ("microseconds", 1e-6), ("nanoseconds", 1e-9)]
+    angles = [
+        ("yaw looks like degrees", "radians", degree, False),
+        ("yaw looks clockwise", "radians counter-clockwise: change its sign", -1.0, False),
+        ("yaw looks like clockwise degrees", "radians counter-clockwise", -degree, False),
+        (
+            "paths look mirrored",
+            "y to the left of x, yaw counter-clockwise; or left and right commands swapped back",
+            1.0,
+            True,
+        ),
+    ]
+    single = [
+        Reading(f"x and y look like {name}", f"metres: multiply by {k:g}", length=k)
+        for name, k in lengths
+    ]
+    single += [
+        Reading(f"t looks like {name}", f"seconds: multiply by {k:g}", time=k) for name, k in times
+    ]
+    single += [
+        Reading(seen, fix, angle=angle, mirrored=mirrored) for seen, fix, angle, mirrored in angles
+    ]
+    commands = [
+        ("degrees per second", "rad/s", degree),
+        ("metres per second of each wheel", "rad/s: divide by the wheel's radius", 1 / radius),
+        ("millimetres per second", "rad/s or m/s", 1e-3),
+        ("revolutions per minute", "rad/s", 2 * np.pi / 60),
+    ]
+    single += [Reading(f"commands look like {n}", fix, command=k) for n, fix, k in commands]
+    both = [
+        Reading(
+            f"x and y look like {name} and {seen}",
+            f"metres (multiply by {k:g}) and {fix}",
+            length=k,
+            angle=angle,
+            mirrored=mirrored,
+        )
+        for name, k in lengths
+        for seen, fix, angle, mirrored in angles
+    ]
+    return single + both
+
+
+def check_units(
+    t: FloatArray,
+    poses: FloatArray,
+    commands: FloatArray,
+    start: npt.NDArray[np.int64],
+    *,
+    drive: Drive,
+) -> None:
+    """Refuse a log whose measured motion is explained by a mistake of units or signs.
+
+    Args:
+        t: (rows,) s.
+        poses: (rows, 3) measured, NaN where lost.
+        commands: (rows, 2) rad/s.
+        start: (segments + 1,) first rows, and the row count.
+        drive: The nominal motion model.
+
+    Raises:
+        InputError: says what the numbers look like and what was expected.
+    """
+    rows = _sample(start)
+    cut = np.concatenate([[0], np.cumsum([b - a for a, b in rows])])
+    taken = np.concatenate([np.arange(a, b) for a, b in rows])
+    t, poses, commands = t[taken], poses[taken], commands[taken]
+    step = float(np.median(np.diff(t)[np.diff(t) > 0])) if (np.diff(t) > 0).any() else 1.0
+    _check_step(step)
+    _check_moving(poses, commands)
+    asis = _disagreement(t, poses, commands, cut, drive, Reading())
+    if asis is None or asis <= GOOD:
+        return
+    tried = [
+        (d, m)
+        for m in mistakes(drive)
+        if (d := _disagreement(t, poses, commands, cut, drive, m)) is not None
+    ]
+    replayed = replay(t, commands, cut, np.zeros((len(cut) - 1, 3)), drive=drive).poses
+    best, mistake = min(tried, key=lambda pair: pair[0], default=(1.0, Reading()))
+    if best <= GOOD and best <= BETTER * asis:
+        told, went = _rates(t, replayed, cut), _rates(t, poses, cut)
+        raise InputError(
+            "log",
+            f"commands of {told} and measured motion of {went} ({mistake.seen})",
+            mistake.fix,
+        )
+
+
+def _check_step(step: float) -> None:
+    """Refuse time in another unit by the time between rows."""
+    if STEPS[0] <= step <= STEPS[1]:
+        return
+    for name, k in (("milliseconds", 1e-3), ("microseconds", 1e-6), ("nanoseconds", 1e-9)):
+        if STEPS[0] <= step * k <= STEPS[1]:
+            raise InputError(
+                "t", f"a row each {step:g} s ({name}?)", f"seconds: multiply t by {k:g}"
+            )
+    raise InputError("t", f"a row each {step:g} s", f"rows {STEPS[0]:g} to {STEPS[1]:g} s apart")
+
+
+def _check_moving(poses: FloatArray, commands: FloatArray) -> None:
+    """Refuse a log whose robots move though never commanded, or are commanded and never move."""
+    known = poses[np.isfinite(poses).all(axis=1)]
+    if len(known) < 2:
+        return
+    span = np.ptp(known, axis=0)
+    if not commands.any() and (span[:2] > 0.05).any():
+        raise InputError(
+            "commands",
+            f"zero in every row while x or y moves {span[:2].max():.3g} m",
+            "the commanded speeds",
+        )
+    still = [name for name, width in zip(("x", "y", "yaw"), span, strict=True) if width == 0.0]
+    turning = bool((commands[:, 0] != commands[:, 1]).any())
+    frozen = {"x", "y"} <= set(still) or (still == ["yaw"] and turning)
+    if commands.any() and (frozen or (len(still) == 1 and span[2] > 1.0)):
+        raise InputError(
+            " and ".join(still),
+            "one value in every row of robots that are driven",
+            "measured poses",
+        )
+
+
+def _sample(start: npt.NDArray[np.int64]) -> list[tuple[int, int]]:
+    """Row ranges from the start of every segment, about `SAMPLE` rows in all."""
+    each = max(int(SAMPLE / (len(start) - 1)), 50)
+    ranges = [(int(a), int(min(b, a + each))) for a, b in pairwise(start)]
+    return ranges[: max(1, SAMPLE // 50)]
+
+
+def _disagreement(
+    t: FloatArray,
+    poses: FloatArray,
+    commands: FloatArray,
+    cut: npt.NDArray[np.int64],
+    drive: Drive,
+    reading: Reading,
+) -> float | None:
+    """How little measured and replayed motion agree under a reading, 0 to 1; None: no telling.
+
+    Per window |measured - replayed| / (|measured| + |replayed|), median over the windows that move;
+    the worse of place and heading.
+    """
+    time = t * reading.time
+    step = float(np.median(np.diff(time)[np.diff(t) > 0])) if (np.diff(t) > 0).any() else 0.0
+    if not STEPS[0] <= step <= STEPS[1]:
+        return None
+    ahead = max(1, round(WINDOW / step))
+    driven = replay(
+        time, commands * reading.command, cut, np.zeros((len(cut) - 1, 3)), drive=drive
+    ).poses
+    seen = poses * [reading.length, reading.length, reading.angle]
+    if reading.mirrored:
+        seen = seen * [1.0, -1.0, -1.0]
+    first = np.arange(len(time) - ahead)
+    segment = np.searchsorted(cut, np.arange(len(time)), side="right")
+    first = first[segment[first] == segment[first + ahead]]
+    ok = np.isfinite(seen[first]).all(axis=1) & np.isfinite(seen[first + ahead]).all(axis=1)
+    first = first[ok]
+    if len(first) < 5:
+        return None
+    pairs = Windows(first, first + ahead)
+    went, told = motion(seen, pairs), motion(driven, pairs)
+    place = np.hypot(*(went - told)[:, :2].T)
+    size = np.hypot(*went[:, :2].T) + np.hypot(*told[:, :2].T)
+    turn = np.abs(wrapped(went[:, 2] - told[:, 2]))
+    turned = np.abs(went[:, 2]) + np.abs(told[:, 2])
+    parts = [
+        float(np.median(np.minimum(off[moves] / total[moves], 1.0)))
+        for off, total, least in ((place, size, STILL[0]), (turn, turned, STILL[1]))
+        if (moves := total > max(least, float(np.median(total)))).sum() >= 5
+    ]
+    return max(parts) if parts else None
+
+
+def _rates(t: FloatArray, poses: FloatArray, cut: npt.NDArray[np.int64]) -> str:
+    """Median speed and turn rate of poses as the log counts them."""
+    same = np.ones(len(t) - 1, dtype=bool)
+    same[cut[1:-1] - 1] = False
+    change = np.abs(np.diff(poses, axis=0) / np.diff(t)[:, None])[same]
+    speed = float(np.nanmedian(np.hypot(change[:, 0], change[:, 1])))
+    return f"{speed:.2g} m/s and {float(np.nanmedian(change[:, 2])):.2g} rad/s"
