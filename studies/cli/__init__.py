@@ -18,7 +18,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-COMMANDS = ("run", "capture", "import_", "gap")
+COMMANDS = ("run", "capture", "import_", "gap", "study")
 """Modules of this package; importing one adds its command to `app`."""
 
 _UsageError = typer.BadParameter.__base__

@@ -1,0 +1,124 @@
+"""What a study runs: conditions, runs, and the seed of each run."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from embedded_sim.errors import InputError
+from studies.experiment import Case, Controller, RunConfig
+
+StudyName = Literal["paper", "readings"]
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A case, a controller, and what is read differently from the default."""
+
+    name: str
+    label: str
+    """As figures and tables call it."""
+    case: Case
+    controller: Controller
+    variant: str = "default"
+    """Which reading of the paper, or which lamp."""
+    changes: dict[str, Any] = field(default_factory=dict, hash=False)
+    """Fields of `RunConfig` that the variant sets."""
+
+
+PAPER = (
+    Condition("no-light", "No light", "no-light", "coevolution"),
+    Condition("at-nest", "Light at nest", "light-at-nest", "coevolution"),
+    Condition("opposite", "Light opposite nest", "light-opposite-nest", "coevolution"),
+    Condition("at-nest-to-opposite", "At nest → opposite", "at-nest-to-opposite", "coevolution"),
+    Condition("opposite-to-at-nest", "Opposite → at nest", "opposite-to-at-nest", "coevolution"),
+    Condition("fixed-search", "Fixed search", "no-light", "search"),
+    Condition("fixed-positive", "Fixed positive", "light-at-nest", "positive-phototaxis"),
+    Condition("fixed-negative", "Fixed negative", "light-opposite-nest", "negative-phototaxis"),
+)
+"""The eight conditions in the order of the paper's Fig. 6 (sections III-I, IV-A)."""
+
+COEVOLVED = PAPER[:5]
+LABELS = {condition.name: condition.label for condition in PAPER}
+
+
+class StudyConfig(BaseModel):
+    """Everything a study's results depend on."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    study: StudyName = "paper"
+    runs: Annotated[int, Field(ge=1, le=10_000)] = 10
+    minutes: Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)] = 60.0
+    robots: Annotated[int, Field(ge=1, le=500)] = 10
+    seed: Annotated[int, Field(ge=0)] = 0
+
+
+@dataclass(frozen=True)
+class PlannedRun:
+    """One run of a study."""
+
+    name: str
+    condition: Condition
+    index: int
+    config: RunConfig
+
+    @property
+    def cost(self) -> float:
+        """Expected computing time in any unit: co-evolution adds about a tenth to the physics."""
+        return (
+            self.config.minutes
+            * self.config.robots
+            * (1.1 if self.condition.controller == "coevolution" else 1.0)
+        )
+
+
+def run_seed(study_seed: int, condition: str, index: int) -> int:
+    """The seed of one run, whatever other conditions and runs the study has.
+
+    An integer below 2**32, so that `realitygap run --seed` repeats the run.
+    """
+    purpose = (zlib.crc32(condition.encode()), index)
+    sequence = np.random.SeedSequence(study_seed, spawn_key=purpose)
+    return int(sequence.generate_state(1, np.uint32)[0])
+
+
+def plan(study: StudyConfig, conditions: tuple[Condition, ...]) -> tuple[PlannedRun, ...]:
+    """All runs of a study, by condition and index."""
+    return tuple(
+        PlannedRun(
+            name=f"{condition.name}-{index:02d}",
+            condition=condition,
+            index=index,
+            config=RunConfig(
+                case=condition.case,
+                controller=condition.controller,
+                minutes=study.minutes,
+                robots=study.robots,
+                seed=run_seed(study.seed, condition.name, index),
+                samples=False,
+                **condition.changes,
+            ),
+        )
+        for condition in conditions
+        for index in range(study.runs)
+    )
+
+
+def study_config(**values: Any) -> StudyConfig:
+    """A study's configuration.
+
+    Raises:
+        InputError: the first value that cannot be used.
+    """
+    try:
+        return StudyConfig(**values)
+    except ValidationError as error:
+        first = error.errors()[0]
+        field_name = ".".join(str(part) for part in first["loc"])
+        expected = first["msg"].removeprefix("Input should be ")
+        raise InputError(f"--{field_name}", first["input"], f"a value {expected}") from None

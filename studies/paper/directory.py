@@ -1,0 +1,138 @@
+"""A study's directory: what was asked, the runs that are finished, and who is writing.
+
+study.json          configuration, versions, every run's seed, the sessions that computed it
+runs/NAME/          one run each, named when it is whole
+*.parquet, figures/, report.html   made from the runs
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from embedded_sim.errors import InputError
+from studies.output import whole_directory, whole_file
+from studies.paper.conditions import PlannedRun, StudyConfig
+from studies.provenance import versions, write_json
+
+SCHEMA = 1
+RUN_FILES = ("run.json", "truth.json", "generations.parquet", "deposits.parquet")
+
+
+class StudyDirectory:
+    """The directory, held by one process at a time."""
+
+    def __init__(self, out: Path, study: StudyConfig, runs: tuple[PlannedRun, ...]) -> None:
+        self.out, self.study, self.runs = out, study, runs
+        self._notes: dict[str, Any] = {
+            "schema": SCHEMA,
+            "configuration": study.model_dump(),
+            "versions": versions(),
+            "seeds": {run.name: run.config.seed for run in runs},
+            "sessions": [],
+        }
+
+    @contextmanager
+    def held(self) -> Iterator[StudyDirectory]:
+        """Make or resume the directory and keep other studies out of it.
+
+        Raises:
+            InputError: it belongs to another configuration, to something else, or is in use.
+        """
+        self._refuse_strangers()
+        try:
+            (self.out / "runs").mkdir(parents=True, exist_ok=True)
+            lock = (self.out / ".lock").open("a")
+        except OSError as error:
+            raise InputError(
+                "--out", self.out, f"a writable directory ({error.strerror})"
+            ) from None
+        with lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                raise InputError("--out", self.out, "a study that is not running") from None
+            self._resume()
+            yield self
+
+    def path(self, run: PlannedRun) -> Path:
+        """Where a run's files are."""
+        return self.out / "runs" / run.name
+
+    def pending(self) -> list[PlannedRun]:
+        """Runs that are not whole, longest first; remains of killed ones are removed."""
+        for remains in (self.out / "runs").glob(".*"):
+            shutil.rmtree(remains, ignore_errors=True)
+        left = []
+        for run in self.runs:
+            path = self.path(run)
+            if not all((path / name).is_file() for name in RUN_FILES):
+                shutil.rmtree(path, ignore_errors=True)
+                left.append(run)
+        return sorted(left, key=lambda run: -run.cost)
+
+    def keep(self, run: PlannedRun, files: dict[str, bytes]) -> None:
+        """Write a finished run; its directory appears when it is whole."""
+        with whole_directory(self.path(run)) as part:
+            for name, content in files.items():
+                (part / name).write_bytes(content)
+
+    @property
+    def sessions(self) -> list[dict[str, Any]]:
+        """What each call that computed runs took."""
+        return list(self._notes["sessions"])
+
+    def add_session(self, session: dict[str, Any]) -> None:
+        """Remember what computing took."""
+        self._notes["sessions"].append(session)
+        self._write()
+
+    @property
+    def notes(self) -> dict[str, Any]:
+        """The content of `study.json`."""
+        return dict(self._notes)
+
+    def _refuse_strangers(self) -> None:
+        if self.out.exists() and not self.out.is_dir():
+            raise InputError("--out", self.out, "a directory")
+        if (
+            self.out.is_dir()
+            and not (self.out / "study.json").exists()
+            and any(path.name not in (".lock", "runs") for path in self.out.iterdir())
+        ):
+            raise InputError("--out", self.out, "a new or empty directory, or a study to resume")
+        parent = next(p for p in self.out.absolute().parents if p.exists())
+        if not os.access(parent, os.W_OK | os.X_OK):
+            raise InputError("--out", self.out, f"a writable directory ({parent} is not)")
+
+    def _resume(self) -> None:
+        path = self.out / "study.json"
+        if not path.exists():
+            self._write()
+            return
+        try:
+            there = json.loads(path.read_text(encoding="utf-8"))
+            found = {**there["configuration"], **there["versions"]}
+            sessions = list(there["sessions"])
+        except (OSError, ValueError, KeyError, TypeError):
+            raise InputError("--out", path, "the study.json of a study") from None
+        asked = {**self._notes["configuration"], **self._notes["versions"]}
+        differs = [
+            f"{key} {found.get(key)} there, {asked.get(key)} now"
+            for key in asked | found
+            if found.get(key) != asked.get(key)
+        ]
+        if differs:
+            expected = "the configuration it was begun with; differs: " + "; ".join(differs)
+            raise InputError("--out", self.out, expected)
+        self._notes["sessions"] = sessions
+
+    def _write(self) -> None:
+        with whole_file(self.out / "study.json", force=True) as part:
+            write_json(part, self._notes)

@@ -1,0 +1,73 @@
+"""Runs what a study has not yet run, on every core, and keeps each run when it is whole."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from contextlib import closing
+from pathlib import Path
+
+from studies.execution import Workers, completed
+from studies.experiment import simulate
+from studies.machine import Cores
+from studies.paper.conditions import PlannedRun
+from studies.paper.directory import StudyDirectory
+from studies.paper.tally import Tally
+
+
+class RunsFailed(RuntimeError):
+    """Some runs raised an error; the others are kept."""
+
+
+def run_files(run: PlannedRun) -> dict[str, bytes]:
+    """Simulate one run; its files by name. Executed by a worker."""
+    with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
+        simulate(run.config, (), Path(scratch))
+        return {path.name: path.read_bytes() for path in sorted(Path(scratch).iterdir())}
+
+
+def execute(directory: StudyDirectory, workers: Workers, *, quiet: bool) -> None:
+    """Do the runs that are missing and write down what they took.
+
+    Raises:
+        RunsFailed: some runs raised; the others are kept.
+        WorkersLost: workers keep dying.
+        InputError: the scheduler does not answer.
+    """
+    pending = directory.pending()
+    if not pending:
+        return
+    began, cores = time.perf_counter(), Cores()
+    spent, hours, kept, side_by_side = 0.0, 0.0, 0, 0
+    failures: list[str] = []
+    try:
+        with (
+            Tally(directory.runs, pending, quiet=quiet) as tally,
+            closing(completed(run_files, pending, workers, note=tally.say)) as runs,
+        ):
+            for done in runs:
+                if done.value is None:
+                    failures.append(f"{done.task.name}: {done.error}")
+                    tally.say(f"run {failures[-1]}")
+                    continue
+                directory.keep(done.task, done.value)
+                kept, side_by_side = kept + 1, done.workers
+                spent += done.cpu_seconds
+                hours += done.task.config.minutes / 60.0
+                tally.finished(done.task)
+    finally:
+        wall = time.perf_counter() - began
+        directory.add_session(
+            {
+                "runs": kept,
+                "simulated_hours": round(hours, 4),
+                "wall_seconds": round(wall, 2),
+                "workers": side_by_side,
+                "scheduler": workers.scheduler,
+                "worker_cpu_seconds": round(spent, 2),
+                "worker_share": round(spent / (wall * max(side_by_side, 1)), 4),
+                "cores_busy": cores.busy(),
+            }
+        )
+    if failures:
+        raise RunsFailed(f"{len(failures)} runs failed, first {failures[0]}")

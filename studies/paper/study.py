@@ -1,0 +1,23 @@
+"""A study from beginning to end: run what is missing, then make everything from the runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from studies.execution import Workers
+from studies.paper.conditions import PAPER, StudyConfig, plan
+from studies.paper.directory import StudyDirectory
+from studies.paper.execution import execute
+
+
+def run_study(study: StudyConfig, out: Path, workers: Workers, *, quiet: bool = False) -> None:
+    """Run or resume a study in `out` and write its tables, figures and report.
+
+    Raises:
+        InputError: `out` cannot be used or the scheduler does not answer.
+        RunsFailed: some runs raised; the others are kept.
+        WorkersLost: workers keep dying.
+    """
+    runs = plan(study, PAPER)
+    with StudyDirectory(out, study, runs).held() as directory:
+        execute(directory, workers, quiet=quiet)

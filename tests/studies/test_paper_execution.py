@@ -1,0 +1,233 @@
+"""A study survives what happens to processes, and does not depend on who computed it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from embedded_sim.errors import InputError
+from studies.execution import Workers, WorkersLost, completed
+from studies.paper.conditions import PAPER, StudyConfig, plan
+from studies.paper.directory import StudyDirectory
+from studies.paper.execution import RunsFailed, execute
+from tests.studies.small_study import TINY, WORDS, results
+
+CLI = (sys.executable, "-c", "from studies.cli import main; main()", "study", "paper")
+
+
+@pytest.fixture(scope="module")
+def local(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("local") / "study"
+    _execute(out, Workers(1))
+    return out
+
+
+def _execute(out: Path, workers: Workers, study: StudyConfig = TINY) -> None:
+    with StudyDirectory(out, study, plan(study, PAPER)).held() as directory:
+        execute(directory, workers, quiet=True)
+
+
+def _until(condition: Callable[[], object], seconds: float = 30.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.02)
+
+
+def _children(pid: int) -> set[int]:
+    """Processes below `pid`, by Linux's /proc."""
+    found = set()
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(fields[1]) == pid:
+            child = int(stat.parent.name)
+            found |= {child} | _children(child)
+    return found
+
+
+def _alive(pids: set[int]) -> set[int]:
+    alive = set()
+    for pid in pids:
+        try:
+            state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+        except OSError:
+            continue
+        if state != "Z":
+            alive.add(pid)
+    return alive
+
+
+def test_results_are_the_same_for_any_number_of_workers(local: Path, tmp_path: Path) -> None:
+    _execute(tmp_path / "two", Workers(2))
+    assert results(tmp_path / "two") == results(local)
+
+
+def test_a_killed_study_repeats_only_what_was_unfinished(local: Path, tmp_path: Path) -> None:
+    out = tmp_path / "study"
+    study = subprocess.Popen([*CLI, *WORDS, "--jobs", "1", "--quiet", "--out", str(out)])
+    try:
+        _until(lambda: (out / "runs").is_dir() and len(list((out / "runs").glob("[!.]*"))) >= 2)
+        workers = _children(study.pid)
+    finally:
+        study.send_signal(signal.SIGKILL)
+        study.wait()
+    _until(lambda: not _alive(workers))
+    finished = {path: path.stat().st_mtime_ns for path in (out / "runs").glob("[!.]*/run.json")}
+    assert 2 <= len(finished) < len(PAPER)
+    _execute(out, Workers(1))
+    assert {path: path.stat().st_mtime_ns for path in finished} == finished
+    tables = {name: digest for name, digest in results(out).items() if name.startswith("runs")}
+    assert tables == {n: d for n, d in results(local).items() if n.startswith("runs")}
+
+
+def test_a_killed_worker_is_replaced_and_its_run_repeated(
+    local: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "study"
+    with StudyDirectory(out, TINY, plan(TINY, PAPER)).held() as directory:
+        keep = directory.keep
+        killed = []
+
+        def keep_and_kill(*args: object) -> None:
+            keep(*args)  # type: ignore[arg-type]
+            if not killed:
+                killed.extend(_worker_processes())
+                os.kill(killed[0], signal.SIGKILL)
+
+        directory.keep = keep_and_kill  # type: ignore[method-assign]
+        execute(directory, Workers(1), quiet=False)
+    assert killed
+    assert "a worker died: starting" in capfd.readouterr().err
+    assert results(out) == results(local)
+
+
+def _worker_processes() -> list[int]:
+    import multiprocessing
+
+    return [child.pid for child in multiprocessing.active_children() if child.pid is not None]
+
+
+def _die(task: int) -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_work_that_always_kills_its_worker_ends_with_an_error() -> None:
+    said: list[str] = []
+    with pytest.raises(WorkersLost, match="2 of 2 tasks are not done"):
+        list(completed(_die, [1, 2], Workers(1), note=said.append))
+    assert len(said) == 2
+
+
+def test_a_run_that_fails_does_not_cost_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    runs = plan(TINY, PAPER[:2])
+    broken = runs[0].config.model_copy(update={"reading": "no such reading"})
+    object.__setattr__(runs[0], "config", broken)
+    with StudyDirectory(tmp_path / "study", TINY, runs).held() as directory:
+        with pytest.raises(RunsFailed, match="no-light-00"):
+            execute(directory, Workers(1), quiet=True)
+        assert [run.name for run in directory.pending()] == ["no-light-00"]
+
+
+def test_a_changed_configuration_is_refused_with_what_differs(local: Path) -> None:
+    changed = TINY.model_copy(update={"minutes": 7.0})
+    with pytest.raises(InputError, match=r"minutes 0\.1 there, 7\.0 now"):
+        _execute(local, Workers(1), changed)
+
+
+def test_a_study_is_not_run_twice_at_once(tmp_path: Path) -> None:
+    runs = plan(TINY, PAPER)
+    with (
+        StudyDirectory(tmp_path / "study", TINY, runs).held(),
+        pytest.raises(InputError, match="not running"),
+        StudyDirectory(tmp_path / "study", TINY, runs).held(),
+    ):
+        pass
+
+
+def test_a_directory_with_other_things_in_it_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").touch()
+    with pytest.raises(InputError, match="new or empty directory"):
+        _execute(tmp_path, Workers(1))
+
+
+def test_a_run_of_a_study_equals_the_same_single_run(local: Path, tmp_path: Path) -> None:
+    run = plan(TINY, PAPER)[1]
+    out = tmp_path / "run"
+    words = ["run", "--case", run.config.case, "--minutes", "0.1", "--robots", "2", "--quiet"]
+    words += ["--seed", str(run.config.seed), "--no-samples", "--out", str(out)]
+    subprocess.run([*CLI[:3], *words], check=True)
+    for name in ("generations.parquet", "deposits.parquet"):
+        assert (out / name).read_bytes() == (local / "runs" / run.name / name).read_bytes()
+
+
+@pytest.fixture
+def cluster() -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+    """A scheduler and two worker processes on loopback."""
+    pytest.importorskip("distributed")
+    from distributed import Client
+
+    port = _free_port()
+    address = f"tcp://127.0.0.1:{port}"
+    scheduler = _dask("scheduler", "--port", str(port))
+    workers = [_dask("worker", address, "--nthreads", "1", "--no-nanny") for _ in range(2)]
+    try:
+        with Client(address, timeout=30, set_as_default=False) as client:
+            client.wait_for_workers(2, timeout=30)
+        yield address, workers
+    finally:
+        for process in (*workers, scheduler):
+            process.kill()
+            process.wait()
+
+
+def _dask(what: str, *words: str) -> subprocess.Popen[bytes]:
+    module = f"distributed.cli.dask_{what}"
+    command = [sys.executable, "-m", module, *words, "--host", "127.0.0.1", "--no-dashboard"]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def _free_port() -> int:
+    import socket
+
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return int(free.getsockname()[1])
+
+
+def test_a_cluster_that_loses_a_worker_computes_the_same_bytes(
+    cluster: tuple[str, list[subprocess.Popen[bytes]]], local: Path, tmp_path: Path
+) -> None:
+    address, processes = cluster
+    out = tmp_path / "study"
+    with StudyDirectory(out, TINY, plan(TINY, PAPER)).held() as directory:
+        keep = directory.keep
+
+        def keep_and_kill(*args: object) -> None:
+            keep(*args)  # type: ignore[arg-type]
+            processes[0].kill()
+
+        directory.keep = keep_and_kill  # type: ignore[method-assign]
+        execute(directory, Workers(1, address), quiet=True)
+        assert directory.sessions[-1]["scheduler"] == address
+    assert processes[0].poll() is not None
+    assert results(out) == results(local)
+
+
+def test_a_scheduler_that_does_not_answer_is_one_clear_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("studies.execution.CONNECT_SECONDS", 0.5)
+    with pytest.raises(InputError, match="a Dask scheduler that answers"):
+        _execute(tmp_path / "study", Workers(1, f"tcp://127.0.0.1:{_free_port()}"))
