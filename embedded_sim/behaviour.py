@@ -1,4 +1,4 @@
-"""The hand-coded behaviours' constants (paper, III-F), the same on the robot and in its simulator."""
+"""Constants of the hand-coded behaviours (paper, III-F), on the robot and in its simulator."""
 
 from __future__ import annotations
 
@@ -13,12 +13,15 @@ from embedded_sim.model import CONTROL_STEP, SENSOR_ANGLES
 
 @dataclass(frozen=True, kw_only=True)
 class Behaviour:
-    """What avoidance, search and phototaxis are made of. The paper prints no values: our choices."""
+    """What avoidance, search and phototaxis are made of. The paper prints no values: all ours."""
 
     cruise_speed: float = 6.0
     """rad/s of the faster wheel: 12.3 cm/s, just under the e-puck's 6.28 rad/s."""
-    avoid_threshold: tuple[float, ...] = (
-        (200.0, 60.0, math.inf, math.inf) + (math.inf, math.inf, 60.0, 200.0)
+    avoid_threshold: tuple[float, ...] = (200.0, 60.0, math.inf, math.inf) + (
+        math.inf,
+        math.inf,
+        60.0,
+        200.0,
     )
     """counts: an obstacle about 30 mm before the front pair, 18 mm before the side-front pair; with
     the side and back sensors a robot in a crowd would never be free to go."""

@@ -1,4 +1,4 @@
-"""The two evolutionary operators: the robot's own controllers (III-G), the swarm's simulators (III-H)."""
+"""The evolutionary operators: a robot's controllers (III-G), the swarm's simulators (III-H)."""
 
 from __future__ import annotations
 

@@ -25,11 +25,7 @@ SCENARIOS = ("opposite", "none", "at_nest")
 CONTROL_STEP = 0.04
 """s; control, virtual sensor and simulation step (paper, III-D and III-E)."""
 
-SENSOR_ANGLES = tuple(
-    sign * angle
-    for sign, angle in [(-1, 0.297), (-1, 0.855), (-1, 1.571), (-1, 2.618)]
-    + [(1, 2.618), (1, 1.571), (1, 0.855), (1, 0.297)]
-)
+SENSOR_ANGLES = (-0.297, -0.855, -1.571, -2.618, 2.618, 1.571, 0.855, 0.297)
 """rad from forward, counter-clockwise, ps0 (front-right) clockwise to ps7 (front-left): Xpuck."""
 
 Pair = tuple[float, float]

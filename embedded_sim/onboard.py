@@ -86,7 +86,7 @@ class Fixed:
 
 
 class CoEvolution:
-    """Controllers evolve in each robot's simulator, simulators across the swarm (II, III-G, III-H)."""
+    """Controllers evolve in each robot's simulator, simulators across the swarm (III-G, III-H)."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""The embedded simulator's three entries into C: evaluate genomes, replay commands, predict readings.
+"""The embedded simulator's entries into C: evaluate genomes, replay commands, predict readings.
 
 Python crosses into C once per batch. Arrays are C-contiguous float64 unless said otherwise.
 """
@@ -70,16 +70,18 @@ def evaluate(
     trial_set.seeds = _pointer("uint32_t[]", seed)
     trial_set.fitness = _pointer("double[]", result.fitness)
     trial_set.deposits = _pointer("int32_t[]", result.deposits)
-    at = ffi.new("int32_t *")
+    at = ffi.new("int32_t[2]")
     status = lib.rg_evaluate(model.struct, behaviour.struct, trial_set, at)
     if status == lib.RG_BAD_ARGUMENT:
         most = (lib.RG_COMMAND_SLOTS - 2) * CONTROL_STEP
         raise ValueError(
-            f"model: got {model.food_items} food items and {model.drive.latency} s of latency, "
-            f"expected at most {lib.RG_FOOD_MAX} and {most:g} s"
+            f"model: got {model.food_items} food items, a nest of {model.nest[2]} m and "
+            f"{model.drive.latency} s of latency, expected at most {lib.RG_FOOD_MAX} items, a nest "
+            f"that leaves room for them, and at most {most:g} s"
         )
     if status == lib.RG_NOT_FINITE:
-        raise Diverged(f"the point model diverged in trial {at[0]} (genome {genes[at[0]].tolist()})")
+        genome = genes[at[0]].tolist()
+        raise Diverged(f"the point model diverged in trial {at[0]}, step {at[1]} (genome {genome})")
     return result
 
 

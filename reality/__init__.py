@@ -1,1 +1,1 @@
-"""The pybullet world: what stands for reality, and the physical effects that can be hidden in it."""
+"""The pybullet world: what stands for reality, and the physical effects hidden in it."""

@@ -65,7 +65,7 @@ def capture(
 
 
 def _before_wall(sensor_angle: float, distance: float, incidence: float) -> FloatArray:
-    """Pose (x, y, yaw) that puts a sensor this far from the wall at (ARENA_RADIUS, 0), this inclined."""
+    """Pose (x, y, yaw) of a sensor this far from the wall at (ARENA_RADIUS, 0), this inclined."""
     rim_x = k.ARENA_RADIUS - distance * math.cos(incidence)
     rim_y = -distance * math.sin(incidence)
     body = k.BODY_RADIUS + 1e-4  # where the rays begin
@@ -92,9 +92,7 @@ def _capture_infrared(
             for j, incidence in enumerate(incidences.tolist()):
                 pose = _before_wall(angle, min(distance, k.IR_RANGE - 1e-3), incidence)
                 engine.teleport(0, pose.tolist())
-                readings = np.array(
-                    [_read(infrared, engine, pose)[sensor] for _ in range(REPEATS)]
-                )
+                readings = np.array([_read(infrared, engine, pose)[sensor] for _ in range(REPEATS)])
                 median = float(np.median(readings))
                 table[sensor, i, j] = median
                 if 300.0 < median < 0.5 * k.COUNTS_MAX:
@@ -108,7 +106,7 @@ def _capture_infrared(
 
 def _read(infrared: Infrared, engine: Engine, pose: FloatArray) -> FloatArray:
     infrared.sense(engine, pose[np.newaxis])
-    return infrared.counts[0]
+    return infrared.counts.reshape(SENSORS)
 
 
 def _capture_light(

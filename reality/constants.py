@@ -14,7 +14,7 @@ WALL_THICKNESS = 0.02
 WALL_FACETS = 120
 """Boxes that make the ring; their middles touch the circle, their corners leave it by 0.2 mm."""
 NEST = (0.50, 0.0, 0.20)
-"""m: x, y, radius. The radius and that it cuts the boundary are the paper's, the centre our choice."""
+"""m: x, y, radius. Radius and cutting the boundary: the paper. The centre: our choice."""
 FOOD_ITEMS = 7
 """Always present (paper, III-I)."""
 FOOD_RADIUS = 0.05
@@ -26,7 +26,7 @@ BODY_RADIUS = 0.035
 BODY_BOTTOM = 0.006
 """m above the floor; our choice, only skids and wheels touch the floor."""
 BODY_TOP = 0.075
-"""m; an e-puck (0.05 m) with the Linux extension board on it; our estimate from the paper's Fig. 3."""
+"""m; an e-puck (0.05 m) with its Linux extension board: our estimate (paper, Fig. 3)."""
 MASS = 0.15
 """kg (e-puck)."""
 WHEEL_MASS = 0.008
@@ -38,8 +38,8 @@ WHEEL_RADIUS = 0.0205
 AXLE = 0.053
 """m; gctronic driver, argos3-epuck."""
 CENTRE_OF_MASS = (0.004, 0.0, 0.010)
-"""m from the axle's middle on the floor: low and just ahead of the axle, as the battery sits; higher
-or further back tips the robot when it brakes."""
+"""m from the axle's middle on the floor: low, just ahead of the axle, as the battery sits; higher or
+further back tips the robot when it brakes."""
 SKIDS = (0.030, -0.030)
 """m ahead of the axle: frictionless front skid, and one behind that only catches tipping."""
 SKID_RADIUS = 0.004

@@ -86,9 +86,7 @@ class Engine:
     def add_wall(self, x: float, y: float, yaw: float, length: float) -> None:
         """A straight wall (m, rad) whose inner face runs through (x, y), facing along -yaw."""
         half = 0.5 * k.WALL_THICKNESS
-        box = self._shape(
-            bullet.GEOM_BOX, halfExtents=[half, 0.5 * length, 0.5 * k.WALL_HEIGHT]
-        )
+        box = self._shape(bullet.GEOM_BOX, halfExtents=[half, 0.5 * length, 0.5 * k.WALL_HEIGHT])
         wall = self._body(
             0.0,
             box,

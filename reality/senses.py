@@ -1,6 +1,6 @@
 """What the robots and the tracker perceive: arrays filled in place, geometry in C.
 
-All arrays have one row per robot. Noise is drawn from the generators given, never from a global one.
+All arrays have one row per robot. Noise is drawn from the generators given.
 """
 
 from __future__ import annotations

@@ -108,7 +108,7 @@ class World:
 
 
 def scatter(robots: int, random: np.random.Generator) -> FloatArray:
-    """Random poses (robots, 3) in the arena, no two bodies nearer than 5 mm to one another or a wall.
+    """Random poses (robots, 3) in the arena, 5 mm and more between bodies and to the wall.
 
     Raises:
         InputError: no room found.

@@ -1,7 +1,7 @@
 """Is the physics converged? The same 60 s of commands at finer steps and more solver iterations.
 
-`python -m studies.convergence [OUT.md]` drives twelve robots, far apart and without walls, through the
-same commands at twelve headings, and compares every setting with the finest one.
+`python -m studies.convergence [OUT.md]` drives twelve robots, far apart and without walls, through
+the same commands at twelve headings, and compares every setting with the finest one.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def search_commands(seconds: float, random: np.random.Generator) -> list[tuple[i
 def drive(
     commands: list[tuple[int, float, float]], setting: Setting, headings: int = HEADINGS
 ) -> FloatArray:
-    """Paths (headings, control steps + 1, 3): x, y, yaw in each robot's own first frame, unwrapped."""
+    """Paths (headings, control steps + 1, 3): x, y, unwrapped yaw in each robot's first frame."""
     engine = Engine(step=setting.step, iterations=setting.iterations)
     try:
         yaw = 2.0 * np.pi * np.arange(headings) / headings
@@ -123,7 +123,7 @@ def study() -> str:
     length = np.hypot(*np.diff(finest[0, :, :2], axis=0).T).sum()
     lines = [
         "| step (ms) | iterations | after 60 s: position (mm) | heading (rad) "
-        "| per second: position (mm) | heading (mrad) | spread over headings per second (mm, mrad) |",
+        "| per second: position (mm) | heading (mrad) | headings' spread per second (mm, mrad) |",
         "|---|---|---|---|---|---|---|",
     ]
     for setting in SETTINGS:
@@ -134,7 +134,8 @@ def study() -> str:
         second = second_by_second(path, finest)
         spread = second_by_second(path, np.broadcast_to(path.mean(axis=0), path.shape))
         lines.append(
-            f"| {1e3 * setting.step:g} | {setting.iterations} | {1e3 * position:.1f} | {heading:.4f} "
+            f"| {1e3 * setting.step:g} | {setting.iterations} "
+            f"| {1e3 * position:.1f} | {heading:.4f} "
             f"| {1e3 * second[0]:.2f} | {1e3 * second[1]:.2f} "
             f"| {1e3 * spread[0]:.2f}, {1e3 * spread[1]:.2f} |"
         )

@@ -1,4 +1,4 @@
-"""One experiment: a swarm forages in reality, its robots evolving on board, and everything is logged.
+"""One experiment: a swarm forages in reality, its robots evolving on board, all of it logged.
 
 A run is a function of (configuration, seed). One SeedSequence is spawned by purpose: the world, the
 controllers' streams, the robots' evolution, the moments they are switched on.
@@ -111,7 +111,9 @@ def simulate(
     began = time.perf_counter()
     hidden = parse_effects(effects, config.robots)
     behaviour = Behaviour()
-    world_seed, swarm_seed, evolution_seed, start_seed = np.random.SeedSequence(config.seed).spawn(4)
+    world_seed, swarm_seed, evolution_seed, start_seed = np.random.SeedSequence(config.seed).spawn(
+        4
+    )
     breeder = _breeder(config, behaviour, evolution_seed)
     starts = np.random.default_rng(start_seed).uniform(0.0, k.START_WITHIN, config.robots)
     swarm = Swarm(
@@ -122,7 +124,9 @@ def simulate(
     )
     world = World(config.robots, world_seed, effects=hidden, lamp_power=_lamp_power(config))
     try:
-        with Recorder(out, config.case, run_name(config), config.robots, config.samples) as recorder:
+        with Recorder(
+            out, config.case, run_name(config), config.robots, config.samples
+        ) as recorder:
             _loop(config, world, swarm, recorder, progress)
             messages = world.radio.messages
             tables = recorder.finish(swarm)
@@ -142,9 +146,7 @@ def run_name(config: RunConfig) -> str:
     return f"{config.case}-{config.controller}-{config.seed}"
 
 
-def _breeder(
-    config: RunConfig, behaviour: Behaviour, seed: np.random.SeedSequence
-) -> Breeder:
+def _breeder(config: RunConfig, behaviour: Behaviour, seed: np.random.SeedSequence) -> Breeder:
     if config.controller in FIXED_GENOMES:
         return Fixed(FIXED_GENOMES[config.controller])
     model = load_model(config.model)

@@ -91,7 +91,7 @@ class Recorder:
             self._writer = None
 
     def sample(self, step: int, world: World, swarm: Swarm, scenario: int) -> None:
-        """Keep one control step: measured poses, readings, virtual sensor, the commands answered."""
+        """Keep one control step: measured poses, readings, virtual sensor, commands answered."""
         if not self._rows:
             return
         at = self._filled

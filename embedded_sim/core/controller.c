@@ -21,7 +21,8 @@ void rg_controller_start(rg_controller *c, const uint32_t seed[4]) {
     c->search_turn = 0.0;
 }
 
-/* Carry state from the virtual sensor: food is picked up where it lies, dropped only on the nest. */
+/* Carry state from the virtual sensor: food is picked up where it lies, dropped only on the nest.
+ */
 static void rg_handle_food(rg_controller *c, int32_t on_food, int32_t on_nest) {
     if (c->food)
         c->food = !on_nest;

@@ -8,8 +8,8 @@
 #include "small.h"
 
 /* Angle (rad) wheel `side` turns in h seconds towards a delivered command, advancing its speed.
- * Chain: dead zone, saturation, droop, first-order lag, acceleration limit. At the null values every
- * factor is 1 and every term 0, so the minimal model needs no branch of its own. */
+ * Chain: dead zone, saturation, droop, first-order lag, acceleration limit. At the null values
+ * every factor is 1 and every term 0, so the minimal model needs no branch of its own. */
 static inline double rg_wheel_advance(const rg_drive *d, int side, double *speed, double command,
                                       double h, double time) {
     const double magnitude = fabs(command) < d->dead_zone[side] ? 0.0 : fabs(command);
@@ -36,7 +36,8 @@ static inline double rg_wheel_advance(const rg_drive *d, int side, double *speed
 }
 
 /* Move a pose along the exact circular arc of wheels turned by left and right (rad). `heading` is
- * the cosine and sine of yaw: it is turned with the pose, so that a step costs one sine and cosine. */
+ * the cosine and sine of yaw: it is turned with the pose, so that a step costs one sine and cosine.
+ */
 static inline void rg_arc(const rg_drive *d, double left, double right, double *pose,
                           double *heading) {
     const double sl = d->wheel_radius[0] * left;

@@ -119,9 +119,16 @@ static void rg_drive_step(const rg_model *m, rg_forager *f, const double command
     }
 }
 
-int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, int32_t *at) {
-    if (m->food_items > RG_FOOD_MAX ||
-        m->drive.latency > (RG_COMMAND_SLOTS - 2) * m->control_step)
+/* Is there room for food outside the nest, and for the commands on their way? */
+static int rg_can_run(const rg_model *m) {
+    const double reach = m->arena_radius - m->body_radius;
+    const double far = sqrt(m->nest_x * m->nest_x + m->nest_y * m->nest_y) + reach;
+    return m->food_items <= RG_FOOD_MAX && m->nest_radius < far &&
+           m->drive.latency <= (RG_COMMAND_SLOTS - 2) * m->control_step;
+}
+
+int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, int32_t at[2]) {
+    if (!rg_can_run(m))
         return RG_BAD_ARGUMENT;
     const double t_max = set->steps * m->control_step;
     for (int32_t trial = 0; trial < set->trials; trial++) {
@@ -143,10 +150,11 @@ int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, in
                 deposits++;
             }
             rg_drive_step(m, &f, command);
-        }
-        if (!isfinite(f.pose[0] + f.pose[1] + f.pose[2])) {
-            *at = trial;
-            return RG_NOT_FINITE;
+            if (!isfinite(f.pose[0] + f.pose[1] + f.pose[2])) {
+                at[0] = trial;
+                at[1] = step;
+                return RG_NOT_FINITE;
+            }
         }
         set->fitness[trial] = fitness;
         set->deposits[trial] = deposits;

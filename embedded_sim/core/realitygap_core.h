@@ -16,10 +16,11 @@
 /* binding begin */
 
 enum {
-    RG_SENSORS = 8,        /* infrared and light sensors of an e-puck */
-    RG_SCENARIOS = 3,      /* light opposite the nest, no light, light at the nest (paper, Fig. 5) */
-    RG_FOOD_MAX = 32,      /* most food items a foraging state can hold */
-    RG_COMMAND_SLOTS = 64, /* commands on their way to the motors: at 40 ms, up to 2.5 s of latency */
+    RG_SENSORS = 8,   /* infrared and light sensors of an e-puck */
+    RG_SCENARIOS = 3, /* light opposite the nest, no light, light at the nest (paper, Fig. 5) */
+    RG_FOOD_MAX = 32, /* most food items a foraging state can hold */
+    RG_COMMAND_SLOTS =
+        64, /* commands on their way to the motors: at 40 ms, up to 2.5 s of latency */
 };
 
 enum { RG_OK = 0, RG_NOT_FINITE = 1, RG_BAD_ARGUMENT = 2 };
@@ -27,14 +28,14 @@ enum { RG_OK = 0, RG_NOT_FINITE = 1, RG_BAD_ARGUMENT = 2 };
 /* How the two wheels answer a command, and where the wheels are. Null values in brackets make the
  * minimal model of the paper (III-E); any other value is a named cause of the reality gap. */
 typedef struct {
-    double wheel_radius[2];   /* m */
-    double axle;              /* m, distance between the wheels' ground contacts */
-    double latency;           /* s, command to motor [0] */
-    double time_constant;     /* s, first-order answer of the motors [0] */
-    double acceleration[2];   /* rad/s^2, most a wheel changes speed by [inf] */
-    double speed_limit[2];    /* rad/s, most a wheel turns [inf] */
-    double dead_zone[2];      /* rad/s, commands below this do not turn a wheel [0] */
-    double droop_rate;        /* 1/s, relative loss of speed with time [0] */
+    double wheel_radius[2]; /* m */
+    double axle;            /* m, distance between the wheels' ground contacts */
+    double latency;         /* s, command to motor [0] */
+    double time_constant;   /* s, first-order answer of the motors [0] */
+    double acceleration[2]; /* rad/s^2, most a wheel changes speed by [inf] */
+    double speed_limit[2];  /* rad/s, most a wheel turns [inf] */
+    double dead_zone[2];    /* rad/s, commands below this do not turn a wheel [0] */
+    double droop_rate;      /* 1/s, relative loss of speed with time [0] */
 } rg_drive;
 
 /* Captured tables (III-E): what the sensors of a nominal robot read, looked up bilinearly. */
@@ -43,54 +44,54 @@ typedef struct {
      * incidence axis is the cosine of the angle, both u and the cosine uniform in [0, 1] */
     const float *ps_counts;
     int32_t ps_distances, ps_incidences;
-    double ps_range;            /* m; nothing is seen beyond it */
-    double ps_noise[8];         /* half width of uniform noise, relative to the reading */
-    double ps_noise_floor;      /* half width of uniform noise, counts */
+    double ps_range;       /* m; nothing is seen beyond it */
+    double ps_noise[8];    /* half width of uniform noise, relative to the reading */
+    double ps_noise_floor; /* half width of uniform noise, counts */
     /* light: counts below dark, [distance][bearing]; the distance axis is range * u^2 with u
      * uniform in [0, 1], bearings (sensor axis to lamp) start at -pi and are uniform on the circle,
      * which a row holds three times and one node more, so that no lookup has to wrap */
     const float *ls_counts;
     int32_t ls_distances, ls_bearings;
-    double ls_range;            /* m */
-    double ls_dark;             /* counts read in the dark */
-    double ls_noise;            /* half width of uniform noise, counts */
-    double counts_max;          /* largest count of the converter */
+    double ls_range;   /* m */
+    double ls_dark;    /* counts read in the dark */
+    double ls_noise;   /* half width of uniform noise, counts */
+    double counts_max; /* largest count of the converter */
 } rg_tables;
 
 /* Everything a simulator believes. */
 typedef struct {
     rg_drive drive;
     rg_tables tables;
-    double body_radius;         /* m */
-    double arena_radius;        /* m, circle about the origin */
-    double nest_x, nest_y, nest_radius;              /* m */
-    double food_radius;         /* m, a robot's centre this near to an item is on it */
-    int32_t food_items;         /* always present (III-I), at most RG_FOOD_MAX */
-    int32_t lamp_on[3];         /* per scenario */
-    double lamp_x[3], lamp_y[3];                     /* m, per scenario */
-    double lamp_gain;           /* on every reading above dark [1] */
-    double sensor_angle[8];     /* rad from forward, counter-clockwise */
-    double sensor_cos[8], sensor_sin[8];             /* of sensor_angle */
-    double ps_gain[8];          /* on every infrared reading [1] */
-    double ls_gain[8];          /* on every light reading below dark [1] */
-    double control_step;        /* s */
+    double body_radius;                  /* m */
+    double arena_radius;                 /* m, circle about the origin */
+    double nest_x, nest_y, nest_radius;  /* m */
+    double food_radius;                  /* m, a robot's centre this near to an item is on it */
+    int32_t food_items;                  /* always present (III-I), at most RG_FOOD_MAX */
+    int32_t lamp_on[3];                  /* per scenario */
+    double lamp_x[3], lamp_y[3];         /* m, per scenario */
+    double lamp_gain;                    /* on every reading above dark [1] */
+    double sensor_angle[8];              /* rad from forward, counter-clockwise */
+    double sensor_cos[8], sensor_sin[8]; /* of sensor_angle */
+    double ps_gain[8];                   /* on every infrared reading [1] */
+    double ls_gain[8];                   /* on every light reading below dark [1] */
+    double control_step;                 /* s */
 } rg_model;
 
 /* What the four behaviours are made of (III-F): constants of the controller, the same on the robot
  * and in its simulator. */
 typedef struct {
-    double cruise_speed;        /* rad/s of the faster wheel while searching or following light */
-    double avoid_threshold[8];  /* counts above which a sensor reports an obstacle; inf: not used */
-    double avoid_speed;         /* rad/s of each wheel, opposed, while turning away */
-    double avoid_duration;      /* s the turn is committed to */
-    double avoid_memory;        /* s after a turn in which the next one goes the same way */
-    double search_curvature;    /* widest share by which search slows the inner wheel */
-    double search_duration[2];  /* s, shortest and longest stretch of one curvature */
-    double light_contrast;      /* counts between the brightest and darkest sensor to see a lamp */
-    double light_gain;          /* slowing of the inner wheel per rad of bearing error */
-    double light_search;        /* share of search's curvature kept while following light */
+    double cruise_speed;       /* rad/s of the faster wheel while searching or following light */
+    double avoid_threshold[8]; /* counts above which a sensor reports an obstacle; inf: not used */
+    double avoid_speed;        /* rad/s of each wheel, opposed, while turning away */
+    double avoid_duration;     /* s the turn is committed to */
+    double avoid_memory;       /* s after a turn in which the next one goes the same way */
+    double search_curvature;   /* widest share by which search slows the inner wheel */
+    double search_duration[2]; /* s, shortest and longest stretch of one curvature */
+    double light_contrast;     /* counts between the brightest and darkest sensor to see a lamp */
+    double light_gain;         /* slowing of the inner wheel per rad of bearing error */
+    double light_search;       /* share of search's curvature kept while following light */
     double sensor_cos[8], sensor_sin[8];
-    double control_step;        /* s */
+    double control_step; /* s */
 } rg_behaviour;
 
 /* xoshiro128++ (Blackman and Vigna, 2019): one per robot or trial, seeded by the caller. */
@@ -101,30 +102,30 @@ typedef struct {
 /* One robot's controller between two steps. */
 typedef struct {
     rg_random random;
-    int32_t food;               /* carries an item (state Food of III-F) */
-    int32_t avoid_steps;        /* steps left of the committed turn and its memory */
-    int32_t avoid_direction;    /* +1 counter-clockwise, -1 clockwise */
-    int32_t search_steps;       /* steps left of the present stretch */
-    double search_turn;         /* signed curvature of the present stretch, left positive */
+    int32_t food;            /* carries an item (state Food of III-F) */
+    int32_t avoid_steps;     /* steps left of the committed turn and its memory */
+    int32_t avoid_direction; /* +1 counter-clockwise, -1 clockwise */
+    int32_t search_steps;    /* steps left of the present stretch */
+    double search_turn;      /* signed curvature of the present stretch, left positive */
 } rg_controller;
 
 /* The motors between two commands. */
 typedef struct {
-    double speed[2];            /* rad/s, present */
-    double queue[64][2];        /* rad/s, ring of the last commands */
-    int32_t head;               /* slot of the newest command */
-    double time;                /* s since the battery was full */
+    double speed[2];     /* rad/s, present */
+    double queue[64][2]; /* rad/s, ring of the last commands */
+    int32_t head;        /* slot of the newest command */
+    double time;         /* s since the battery was full */
 } rg_motors;
 
 /* A set of trials, one genome each under one scenario, as one call runs them. */
 typedef struct {
-    int32_t steps;              /* of control_step each */
+    int32_t steps; /* of control_step each */
     int32_t trials;
-    const double *genomes;      /* (trials, 2): G0, G1 */
-    const int32_t *scenarios;   /* (trials,) 0, 1, 2 */
-    const uint32_t *seeds;      /* (trials, 4) */
-    double *fitness;            /* (trials,) s, eq. 1 */
-    int32_t *deposits;          /* (trials,) */
+    const double *genomes;    /* (trials, 2): G0, G1 */
+    const int32_t *scenarios; /* (trials,) 0, 1, 2 */
+    const uint32_t *seeds;    /* (trials, 4) */
+    double *fitness;          /* (trials,) s, eq. 1 */
+    int32_t *deposits;        /* (trials,) */
 } rg_trials;
 
 /* third of [0, 0.99] a gene lies in: 0, 1, 2 (Figs. 4 and 5) */
@@ -144,8 +145,8 @@ void rg_control_swarm(const rg_behaviour *b, int32_t robots, const uint8_t *acti
 /* Start one controller from four seed words; Food is false. */
 void rg_controller_start(rg_controller *c, const uint32_t seed[4]);
 
-/* Forage every trial of a set. RG_NOT_FINITE: the trial that diverged is in *at. */
-int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, int32_t *at);
+/* Forage every trial of a set. RG_NOT_FINITE: at holds the trial that diverged, and its step. */
+int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, int32_t at[2]);
 
 /* Drive logged commands through the model, one chain of motors per run and robot.
  * Segment k holds rows start[k] .. start[k+1]-1; commands (rows, 2) hold from their row's time to

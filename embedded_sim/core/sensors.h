@@ -20,7 +20,8 @@ static inline int rg_node(double u, int n, double *weight) {
     return i;
 }
 
-/* Infrared of sensor k at the rim, looking along (ux, uy) at the circular wall around the origin. */
+/* Infrared of sensor k at the rim, looking along (ux, uy) at the circular wall around the origin.
+ */
 static inline double rg_wall_reading(const rg_model *m, int k, double x, double y, double ux,
                                      double uy) {
     const rg_tables *t = &m->tables;
@@ -31,7 +32,8 @@ static inline double rg_wall_reading(const rg_model *m, int k, double x, double 
         return 0.0; /* the ray ends before the wall */
     const double inside = along * along + margin;
     if (inside <= 0.0)
-        return 0.0; /* the rim is outside and looks away: contact is not the point model's business */
+        return 0.0; /* the rim is outside and looks away: contact is not the point model's business
+                     */
     const double root = sqrt(inside);
     const double distance = rg_max(root - along, 0.0);
     double wd, wi;

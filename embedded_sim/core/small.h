@@ -1,4 +1,5 @@
-/* Minimum and maximum that compile to one instruction: fmin and fmax must mind NaN and are called. */
+/* Minimum and maximum that compile to one instruction: fmin and fmax must mind NaN and are called.
+ */
 #ifndef RG_SMALL_H
 #define RG_SMALL_H
 

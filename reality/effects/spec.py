@@ -1,4 +1,4 @@
-"""The grammar of `--effect`: `NAME:key=value[,key=value...]`, with `robot=K` any number of times."""
+"""The grammar of `--effect`: `NAME:key=value[,key=value...]`; `robot=K` may be repeated."""
 
 from __future__ import annotations
 

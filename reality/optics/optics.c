@@ -9,8 +9,7 @@ void rgo_poses(int32_t robots, const double *bodies, const double *centre_of_mas
     for (int32_t i = 0; i < robots; i++) {
         const double *b = bodies + 7 * i;
         const double qx = b[3], qy = b[4], qz = b[5], qw = b[6];
-        const double yaw =
-            atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz));
+        const double yaw = atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz));
         const double c = cos(yaw), s = sin(yaw);
         poses[3 * i] = b[0] - c * centre_of_mass[0] + s * centre_of_mass[1];
         poses[3 * i + 1] = b[1] - s * centre_of_mass[0] - c * centre_of_mass[1];
@@ -57,13 +56,15 @@ int32_t rgo_rays(const rgo_optics *o, int32_t robots, const double *poses, const
 
 /* A gross outlier of the infrared: off by more than half, a third of them zero. */
 static double outlier(double uniform) {
-    return uniform < 1.0 / 3.0 ? 0.0 : uniform < 2.0 / 3.0 ? 0.5 * (3.0 * uniform - 1.0) : 3.0 * uniform - 0.5;
+    return uniform < 1.0 / 3.0   ? 0.0
+           : uniform < 2.0 / 3.0 ? 0.5 * (3.0 * uniform - 1.0)
+                                 : 3.0 * uniform - 0.5;
 }
 
 void rgo_infrared(const rgo_optics *o, int32_t robots, const double *poses, const double *angles,
-                  int32_t rays, const int32_t *owner, const double *fraction,
-                  const double *normals, const double *amplitude, const double *outliers,
-                  const double *gauss, const double *uniform, double *counts) {
+                  int32_t rays, const int32_t *owner, const double *fraction, const double *normals,
+                  const double *amplitude, const double *outliers, const double *gauss,
+                  const double *uniform, double *counts) {
     const int32_t all = SENSORS * robots;
     memset(counts, 0, (size_t)all * sizeof *counts);
     for (int32_t r = 0; r < rays; r++) {
@@ -120,8 +121,7 @@ void rgo_light(const rgo_optics *o, int32_t robots, const double *poses, const d
                     continue;
                 int dark = 0;
                 for (int32_t j = 0; j < robots && !dark; j++)
-                    dark = j != i &&
-                           shaded(o, px, py, &lamp[l], poses[3 * j], poses[3 * j + 1]);
+                    dark = j != i && shaded(o, px, py, &lamp[l], poses[3 * j], poses[3 * j + 1]);
                 if (dark)
                     continue;
                 const double distance = sqrt(vx * vx + vy * vy + vz * vz);

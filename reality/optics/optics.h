@@ -10,20 +10,20 @@
 
 /* What a robot's ring of sensors and its body look like to the rays. */
 typedef struct {
-    double body_radius, body_top;   /* m */
-    double sensor_height;           /* m */
-    double arena_radius;            /* m */
-    double ir_range;                /* m */
-    double ir_offset;               /* m, d0 of A / (d + d0)^2 */
-    double ir_noise, ir_noise_floor;/* relative s.d.; counts s.d. */
+    double body_radius, body_top;    /* m */
+    double sensor_height;            /* m */
+    double arena_radius;             /* m */
+    double ir_range;                 /* m */
+    double ir_offset;                /* m, d0 of A / (d + d0)^2 */
+    double ir_noise, ir_noise_floor; /* relative s.d.; counts s.d. */
     double counts_max;
     double light_dark, light_noise; /* counts; counts s.d. */
 } rgo_optics;
 
 /* A lamp: irradiance in counts = power * cos / distance^exponent. */
 typedef struct {
-    double x, y, height;            /* m */
-    double power, exponent;         /* counts m^exponent; 1 */
+    double x, y, height;    /* m */
+    double power, exponent; /* counts m^exponent; 1 */
 } rgo_lamp;
 
 /* Yaw and the middle of the axle from centres of mass (robots, 7: position, quaternion). */
@@ -37,9 +37,9 @@ int32_t rgo_rays(const rgo_optics *o, int32_t robots, const double *poses, const
 /* Counts (robots, 8) from ray hits: fraction of the range (1: nothing) and the hit's normal (x, y).
  * gauss, uniform: (2, robots, 8) random numbers. amplitude, outliers, offset: (robots, 8). */
 void rgo_infrared(const rgo_optics *o, int32_t robots, const double *poses, const double *angles,
-                  int32_t rays, const int32_t *owner, const double *fraction,
-                  const double *normals, const double *amplitude, const double *outliers,
-                  const double *gauss, const double *uniform, double *counts);
+                  int32_t rays, const int32_t *owner, const double *fraction, const double *normals,
+                  const double *amplitude, const double *outliers, const double *gauss,
+                  const double *uniform, double *counts);
 
 /* Light counts (robots, 8). Robots shade one another. ambient, gain: (robots, 8). */
 void rgo_light(const rgo_optics *o, int32_t robots, const double *poses, const double *angles,

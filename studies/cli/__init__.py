@@ -1,9 +1,10 @@
-"""The command line: `realitygap`. One module per command; heavy imports wait until a command runs."""
+"""The command line, `realitygap`: one module per command; heavy imports wait until one runs."""
 
 from __future__ import annotations
 
 import importlib
 import sys
+from typing import Any
 
 import typer
 
@@ -21,7 +22,7 @@ app = typer.Typer(
 COMMANDS = ("run", "capture", "import_", "gap", "study")
 """Modules of this package; importing one adds its command to `app`."""
 
-_UsageError = typer.BadParameter.__base__
+_UsageError: Any = typer.BadParameter.__base__
 """Typer's error for wrong words on the command line; it exports only this child of it."""
 
 for _name in COMMANDS:
@@ -33,13 +34,13 @@ def main() -> None:
     try:
         sys.exit(app(standalone_mode=False))
     except InputError as error:
-        print(f"realitygap: {error}", file=sys.stderr)
+        sys.stderr.write(f"realitygap: {error}\n")
         sys.exit(2)
     except _UsageError as error:
-        print(f"realitygap: {error.format_message()} (see --help)", file=sys.stderr)
+        sys.stderr.write(f"realitygap: {error.format_message()} (see --help)\n")
         sys.exit(2)
     except typer.Abort:
         sys.exit(130)
     except KeyboardInterrupt:
-        print("realitygap: interrupted", file=sys.stderr)
+        sys.stderr.write("realitygap: interrupted\n")
         sys.exit(130)

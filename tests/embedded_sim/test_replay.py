@@ -1,0 +1,131 @@
+"""The drive of the point model against the analytic truth of two wheels."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from embedded_sim import Diverged, Drive, replay
+
+speeds = st.floats(-7.0, 7.0)
+
+
+def one_segment(commands: np.ndarray, drive: Drive, step: float = 0.04) -> np.ndarray:
+    rows = len(commands)
+    return replay(np.arange(rows) * step, commands, [0, rows], [[0, 0, 0]], drive=drive).poses
+
+
+def test_a_robot_driven_with_equal_wheels_goes_straight() -> None:
+    path = one_segment(np.full((51, 2), 5.0), Drive())
+    assert path[-1] == pytest.approx([5.0 * 0.0205 * 2.0, 0.0, 0.0], abs=1e-12)
+
+
+def test_a_robot_with_one_faster_wheel_drives_a_circle_of_the_known_radius() -> None:
+    drive = Drive()
+    left, right = 3.0, 5.0
+    radius = 0.5 * drive.axle * (right + left) / (right - left)
+    path = one_segment(np.tile([left, right], (400, 1)), drive)
+    assert np.hypot(path[:, 0], path[:, 1] - radius) == pytest.approx(radius, rel=1e-9)
+
+
+def test_opposite_wheels_spin_on_the_spot() -> None:
+    drive = Drive()
+    path = one_segment(np.tile([-4.0, 4.0], (26, 1)), drive)
+    assert np.abs(path[:, :2]).max() < 1e-12
+    assert path[-1, 2] == pytest.approx(2 * 4.0 * 0.0205 / drive.axle * 1.0, rel=1e-12)
+
+
+@given(left=speeds, right=speeds, pieces=st.integers(1, 40))
+def test_cutting_an_interval_into_pieces_changes_nothing(
+    left: float, right: float, pieces: int
+) -> None:
+    whole = one_segment(np.tile([left, right], (2, 1)), Drive(), step=1.0)[-1]
+    cut = one_segment(np.tile([left, right], (pieces + 1, 1)), Drive(), step=1.0 / pieces)[-1]
+    assert cut == pytest.approx(whole, abs=1e-10)
+
+
+@given(
+    x=st.floats(-1, 1),
+    y=st.floats(-1, 1),
+    yaw=st.floats(-math.pi, math.pi),
+    left=speeds,
+    right=speeds,
+)
+def test_motion_does_not_depend_on_where_it_starts(
+    x: float, y: float, yaw: float, left: float, right: float
+) -> None:
+    t, commands = [0.0, 0.5, 1.0], [[left, right], [right, left], [0, 0]]
+    home = replay(t, commands, [0, 3], [[0, 0, 0]], drive=Drive()).poses[-1]
+    away = replay(t, commands, [0, 3], [[x, y, yaw]], drive=Drive()).poses[-1]
+    c, s = math.cos(yaw), math.sin(yaw)
+    expected = [x + c * home[0] - s * home[1], y + s * home[0] + c * home[1], yaw + home[2]]
+    assert away == pytest.approx(expected, abs=1e-10)
+
+
+def test_latency_delays_the_motion_by_its_length_at_any_fraction_of_a_step() -> None:
+    commands = np.full((26, 2), 5.0)
+    path = one_segment(commands, Drive(latency=0.11))
+    assert path[-1, 0] == pytest.approx(5.0 * 0.0205 * (1.0 - 0.11), rel=1e-12)
+
+
+def test_a_lagging_motor_loses_its_time_constant_of_motion() -> None:
+    tau = 0.08
+    path = one_segment(np.full((51, 2), 5.0), Drive(time_constant=tau))
+    lost = tau * (1.0 - math.exp(-2.0 / tau))
+    assert path[-1, 0] == pytest.approx(5.0 * 0.0205 * (2.0 - lost), rel=1e-12)
+
+
+def test_an_acceleration_limit_costs_half_the_speed_squared_over_it() -> None:
+    path = one_segment(np.full((51, 2), 5.0), Drive(acceleration=(100.0, 100.0)))
+    assert path[-1, 0] == pytest.approx(0.0205 * (5.0 * 2.0 - 0.5 * 25.0 / 100.0), rel=1e-12)
+
+
+def test_saturation_dead_zone_and_droop_do_what_their_names_say() -> None:
+    fast = np.full((26, 2), 6.0)
+    assert one_segment(fast, Drive(speed_limit=(5.0, 5.0)))[-1, 0] == pytest.approx(0.0205 * 5.0)
+    assert one_segment(fast, Drive(dead_zone=(6.5, 6.5)))[-1, 0] == 0.0
+    drooped = one_segment(np.full((3001, 2), 6.0), Drive(droop_rate=0.001))
+    assert np.diff(drooped[:, 0])[-1] == pytest.approx(0.0205 * 6.0 * 0.04 * 0.88, rel=1e-3)
+
+
+@given(st.lists(st.tuples(speeds, speeds), min_size=2, max_size=30))
+def test_null_terms_leave_the_minimal_model_bit_for_bit(
+    commands: list[tuple[float, float]],
+) -> None:
+    minimal = one_segment(np.array(commands), Drive())
+    null = Drive(
+        latency=0.0,
+        time_constant=0.0,
+        acceleration=(math.inf, math.inf),
+        speed_limit=(math.inf, math.inf),
+        dead_zone=(0.0, 0.0),
+        droop_rate=0.0,
+    )
+    assert (one_segment(np.array(commands), null) == minimal).all()
+
+
+def test_segments_are_replayed_apart() -> None:
+    t = [0.0, 1.0, 0.0, 1.0]
+    commands = [[1, 1], [1, 1], [2, 2], [2, 2]]
+    poses = replay(t, commands, [0, 2, 4], [[0, 0, 0], [5, 0, 0]], drive=Drive()).poses
+    assert poses[1, 0] == pytest.approx(0.0205)
+    assert poses[3, 0] == pytest.approx(5 + 2 * 0.0205)
+
+
+def test_a_command_that_is_not_a_number_is_an_error_that_names_the_row() -> None:
+    with pytest.raises(Diverged, match="row 2"):
+        replay([0, 1, 2], [[1, 1], [math.nan, 1], [1, 1]], [0, 3], [[0, 0, 0]], drive=Drive())
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"commands": [[1, 1]]}, {"start": [0, 2]}, {"start": [1, 3]}, {"initial": [[0, 0]]}],
+)
+def test_shapes_that_disagree_are_refused(change: dict[str, object]) -> None:
+    good = {"t": [0, 1, 2], "commands": [[1, 1]] * 3, "start": [0, 3], "initial": [[0, 0, 0]]}
+    with pytest.raises(ValueError, match=next(iter(change))):
+        replay(**{**good, **change}, drive=Drive())
