@@ -29,6 +29,11 @@ class Condition:
     changes: dict[str, Any] = field(default_factory=dict, hash=False)
     """Fields of `RunConfig` that the variant sets."""
 
+    @property
+    def key(self) -> str:
+        """Unique among all studies' conditions; runs are named after it and seeded with it."""
+        return self.name if self.variant == "default" else f"{self.variant}.{self.name}"
+
 
 PAPER = (
     Condition("no-light", "No light", "no-light", "coevolution"),
@@ -91,7 +96,7 @@ def plan(study: StudyConfig, conditions: tuple[Condition, ...]) -> tuple[Planned
     """All runs of a study, by condition and index."""
     return tuple(
         PlannedRun(
-            name=f"{condition.name}-{index:02d}",
+            name=f"{condition.key}-{index:02d}",
             condition=condition,
             index=index,
             config=RunConfig(
@@ -99,7 +104,7 @@ def plan(study: StudyConfig, conditions: tuple[Condition, ...]) -> tuple[Planned
                 controller=condition.controller,
                 minutes=study.minutes,
                 robots=study.robots,
-                seed=run_seed(study.seed, condition.name, index),
+                seed=run_seed(study.seed, condition.key, index),
                 samples=False,
                 **condition.changes,
             ),

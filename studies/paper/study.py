@@ -8,6 +8,7 @@ from studies.execution import Workers
 from studies.paper.conditions import PAPER, StudyConfig, plan
 from studies.paper.directory import StudyDirectory
 from studies.paper.execution import execute
+from studies.paper.report import write_report
 
 
 def run_study(study: StudyConfig, out: Path, workers: Workers, *, quiet: bool = False) -> None:
@@ -21,3 +22,4 @@ def run_study(study: StudyConfig, out: Path, workers: Workers, *, quiet: bool = 
     runs = plan(study, PAPER)
     with StudyDirectory(out, study, runs).held() as directory:
         execute(directory, workers, quiet=quiet)
+        write_report(directory)

@@ -1,0 +1,78 @@
+"""Figures of the reality gap while it co-evolves: its course, and what it is made of."""
+
+from __future__ import annotations
+
+import pandas as pd
+import seaborn as sns
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from studies.paper.conditions import COEVOLVED, LABELS
+from studies.paper.figures import THIRD_NAMES, THIRDS
+from studies.paper.gap import PARTS
+
+SIDES = {"fitness_sim": "in simulation, as promised", "fitness_real": "in reality, as earned"}
+COLORS = {"fitness_sim": "#c8553d", "fitness_real": "#33658a"}
+PART_NAMES = ("winner's curse", "wrong scenario", "model error, right scenario")
+PART_COLORS = ("#c9ada7", "#f2b134", "#6d597a")
+
+
+def course(gaps: pd.DataFrame) -> Figure:
+    """Fitness in simulation and in reality, per generation and per third of S0, by case."""
+    figure = Figure(figsize=(14, 6.6), layout="constrained")
+    panels = figure.subplots(2, len(COEVOLVED), sharey="row")
+    long = gaps.melt(
+        id_vars=["condition", "index", "generation", "s0_third"],
+        value_vars=list(SIDES),
+        var_name="side",
+        value_name="fitness",
+    )
+    for axes, lower, condition in zip(panels[0], panels[1], COEVOLVED, strict=True):
+        rows = long[long["condition"] == condition.name]
+        means = rows.groupby(["index", "generation", "side"])["fitness"].mean().reset_index()
+        if len(means):
+            sns.lineplot(
+                data=means, x="generation", y="fitness", hue="side", palette=COLORS, ax=axes,
+                errorbar="sd", legend=False,
+            )  # fmt: skip
+        axes.set(title=LABELS[condition.name], xlabel="generation", ylabel="fitness (s)")
+        runs = rows.groupby(["index", "s0_third", "side"])["fitness"].mean().reset_index()
+        if len(runs):
+            sns.barplot(
+                data=runs, x="s0_third", y="fitness", hue="side", palette=COLORS, ax=lower,
+                order=range(3), hue_order=list(SIDES), errorbar="sd", legend=False,
+            )  # fmt: skip
+        lower.set_xticks(range(3))
+        lower.set_xticklabels([name.replace(" ", "\n", 1) for name in THIRD_NAMES])
+        lower.set(xlabel="believed", ylabel="fitness (s)")
+    handles = [Patch(color=COLORS[side], label=name) for side, name in SIDES.items()]
+    figure.legend(handles=handles, loc="outside upper right", ncols=2)
+    figure.suptitle("The reality gap while it co-evolves (mean and s.d. over runs)", x=0.3)
+    return figure
+
+
+def parts(gaps: pd.DataFrame) -> Figure:
+    """The gap split into its three parts, per case and per third of S0."""
+    figure = Figure(figsize=(12, 4.8), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    names = [condition.name for condition in COEVOLVED]
+    by_case = gaps.groupby("condition")[[*PARTS, "gap"]].mean().reindex(names)
+    by_third = gaps.groupby("s0_third")[[*PARTS, "gap"]].mean().reindex(range(3))
+    for axes, table in ((left, by_case), (right, by_third)):
+        for offset, (part, color) in enumerate(zip(PARTS, PART_COLORS, strict=True)):
+            at = [row + 0.26 * (offset - 1) for row in range(len(table))]
+            axes.bar(at, table[part].fillna(0.0), 0.25, color=color)
+        axes.scatter(range(len(table)), table["gap"], color="black", marker="_", s=900, zorder=3)
+        axes.axhline(0.0, color="0.3", linewidth=0.8)
+        axes.set_xticks(range(len(table)))
+    left.set_xticklabels([LABELS[name].replace(" ", "\n", 1) for name in names])
+    right.set_xticklabels([f"believes\n{name}" for name in THIRD_NAMES])
+    for label, color in zip(right.get_xticklabels(), THIRDS, strict=True):
+        label.set_bbox({"facecolor": color, "alpha": 0.3, "edgecolor": "none"})
+    left.set_ylabel("s of fitness per generation")
+    handles = [
+        Patch(color=color, label=name) for color, name in zip(PART_COLORS, PART_NAMES, strict=True)
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3)
+    figure.suptitle("What the gap is made of (black: the whole gap, simulation less reality)")
+    return figure

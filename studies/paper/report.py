@@ -1,0 +1,193 @@
+"""Everything a finished paper study is made into: tables, figures, claims, one page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from studies.output import whole_file
+from studies.paper import figures, gap, gap_figures
+from studies.paper.directory import StudyDirectory
+from studies.paper.page import Picture, Section, Table, number, write_page
+from studies.paper.tables import StudyTables, collect
+from studies.paper.verdicts import weigh_claims
+
+CAPTIONS = {
+    "fig6-food": "Items brought to the nest per run: mean (bars, halves shaded apart), quartiles "
+    "and single runs. The last three are the fixed optimal controllers.",
+    "fig7-retrieval": "Mean time from picking an item up to bringing it to the nest, per run, "
+    "before and after half-time.",
+    "fig8-s0": "Left: mean S0 of the swarm, boxed over runs, with the thirds shaded. Right: what "
+    "the single robots believe, since a mean near 0.5 also comes from a mixture.",
+    "gap-course": "What the deployed controllers were promised by their simulators and what they "
+    "earned in reality: by generation, and by what the robot believed.",
+    "gap-parts": "The gap split into the winner's curse, the wrong scenario, and model error with "
+    "the right scenario.",
+}
+
+
+def write_report(directory: StudyDirectory) -> pd.DataFrame:
+    """Make everything from the runs of a finished study; returns the claims table."""
+    out, study = directory.out, directory.study
+    tables = collect(directory)
+    fresh = gap.fresh_fitness(study.seed)
+    gaps = gap.decompose(tables.generations, fresh, study.minutes)
+    claims = weigh_claims(tables, study.seed)
+    runs = tables.runs.merge(_gap_of_runs(gaps), on=["condition", "variant", "run"], how="left")
+    _parquet(runs, out / "study.parquet")
+    _parquet(tables.generations, out / "generations.parquet")
+    table = gap.gap_table(gaps)
+    controllers = gap.controllers_table(fresh)
+    for name, frame in (("claims", claims), ("gap", table), ("controllers", controllers)):
+        write_csv(frame, out / f"{name}.csv")
+    drawn = _figures(tables, gaps, out / "figures")
+    with whole_file(out / "report.html", force=True) as part:
+        write_page(
+            part,
+            "The paper's study, repeated",
+            lead_line(directory, claims),
+            [
+                Section("Food collected", figures=[drawn["fig6-food"]]),
+                Section("Collection rate", figures=[drawn["fig7-retrieval"]]),
+                Section("What the robots believe", figures=[drawn["fig8-s0"]]),
+                Section("Claims of section IV", CLAIMS_TEXT, tables=[claims_view(claims)]),
+                Section(
+                    "The reality gap",
+                    figures=[drawn["gap-course"], drawn["gap-parts"]],
+                    tables=[Table.of(_gap_view(table)), Table.of(controllers)],
+                    texts=GAP_TEXT,
+                ),
+                *settings_sections(directory),
+            ],
+        )
+    return claims
+
+
+CLAIMS_TEXT = (
+    "Each claim is a statistic decided before any result was seen. Every value is one run. "
+    "Effects carry 95 % bootstrap intervals; p is corrected by Holm over the whole table. "
+    "Reproduced: corrected p below 0.05 and the effect within the claimed range. Not reproduced: "
+    "the whole interval outside it. Undecided: neither.",
+)
+GAP_TEXT = (
+    "All in seconds of fitness (eq. 1) per generation of 60 s. The first table gives the gap and "
+    "its parts by case and by what the robot believed; the second what each of the nine "
+    f"controllers earns in each simulated scenario, a mean of {gap.TRIALS} fresh trials.",
+)
+
+
+def claims_view(claims: pd.DataFrame) -> Table:
+    """The claims as the page shows them."""
+    view = claims[["section", "text", "statistic"]].copy()
+    view["effect"] = [number(value) for value in claims["effect"]]
+    view["95 % interval"] = [
+        f"{number(low)} to {number(high)}"
+        for low, high in zip(claims["low"], claims["high"], strict=True)
+    ]
+    view["claimed"] = [
+        claimed(low, high)
+        for low, high in zip(claims["claimed_above"], claims["claimed_below"], strict=True)
+    ]
+    view["p"] = [number(value) for value in claims["p"]]
+    view["p, Holm"] = [number(value) for value in claims["p_holm"]]
+    view["verdict"] = claims["verdict"]
+    return Table.of(view)
+
+
+def claimed(low: float, high: float) -> str:
+    """The range in which a claim holds, as text."""
+    if high == float("inf"):
+        return f"> {number(low)}"
+    return f"< {number(high)}" if low == float("-inf") else f"{number(low)} to {number(high)}"
+
+
+def lead_line(directory: StudyDirectory, claims: pd.DataFrame) -> str:
+    """What was run and how it came out, in two sentences."""
+    study, counts = directory.study, claims["verdict"].value_counts()
+    found = ", ".join(
+        f"{counts.get(name, 0)} {name}" for name in ("reproduced", "not reproduced", "undecided")
+    )
+    return (
+        f"{len(directory.runs)} runs of {study.minutes:g} minutes with {study.robots} robots, "
+        f"seed {study.seed}. Of {len(claims)} claims: {found}."
+    )
+
+
+def settings_sections(directory: StudyDirectory) -> list[Section]:
+    """Settings, versions, computing time and seeds."""
+    notes: dict[str, Any] = directory.notes
+    facts = {**notes["configuration"], **notes["versions"]}
+    settings = pd.DataFrame({"setting": list(facts), "value": [str(v) for v in facts.values()]})
+    seeds = pd.DataFrame(
+        [
+            {"run": run.name, "case": run.config.case, "controller": run.config.controller}
+            | {"seed": str(run.config.seed)}
+            for run in directory.runs
+        ]
+    )
+    took = [
+        f"{session['runs']} runs, {session['simulated_hours']:.1f} simulated hours in "
+        f"{session['wall_seconds'] / 60.0:.1f} minutes on {session['workers']} workers, which were "
+        f"computing {100.0 * session['worker_share']:.0f} % of that time; cores busy: "
+        + (", ".join(f"{100.0 * busy:.0f} %" for busy in session["cores_busy"]) or "unknown")
+        + "."
+        for session in directory.sessions
+    ]
+    repeat = "A run is repeated by: realitygap run --case … --controller … --seed … --no-samples"
+    return [
+        Section("Settings, versions, computing", took, tables=[Table.of(settings)]),
+        Section("Seeds", (repeat,), tables=[Table.of(seeds)]),
+    ]
+
+
+def write_csv(frame: pd.DataFrame, path: Path) -> None:
+    """A small table, whole or not at all."""
+    with whole_file(path, force=True) as part:
+        frame.to_csv(part, index=False, lineterminator="\n", float_format="%.6g")
+
+
+def draw(figure: Figure, path: Path) -> Picture:
+    """Save a figure and say where it is."""
+    figures.save(figure, path)
+    return Picture(path.with_suffix(".png"), CAPTIONS[path.name])
+
+
+def _figures(tables: StudyTables, gaps: pd.DataFrame, folder: Path) -> dict[str, Picture]:
+    folder.mkdir(exist_ok=True)
+    figures.style()
+    drawn = {
+        "fig6-food": figures.food(tables),
+        "fig7-retrieval": figures.retrieval(tables),
+        "fig8-s0": figures.beliefs(tables),
+        "gap-course": gap_figures.course(gaps),
+        "gap-parts": gap_figures.parts(gaps),
+    }
+    return {name: draw(figure, folder / name) for name, figure in drawn.items()}
+
+
+def _gap_of_runs(gaps: pd.DataFrame) -> pd.DataFrame:
+    """Mean gap and parts of each run."""
+    means = gaps.groupby(["condition", "variant", "index"])[["gap", *gap.PARTS]].mean()
+    names = {"index": "run", **{part: f"gap_{part}" for part in gap.PARTS}}
+    return means.reset_index().rename(columns=names)
+
+
+def _gap_view(table: pd.DataFrame) -> pd.DataFrame:
+    view = table.drop(columns=["variant"]).rename(
+        columns={
+            "fitness_sim": "in simulation",
+            "fitness_real": "in reality",
+            "curse": "winner's curse",
+            "scenario": "wrong scenario",
+            "model": "model error",
+        }
+    )
+    return view.astype({"generations": object})
+
+
+def _parquet(frame: pd.DataFrame, path: Path) -> None:
+    with whole_file(path, force=True) as part:
+        frame.to_parquet(part, index=False)
