@@ -38,8 +38,8 @@ WHEEL_RADIUS = 0.0205
 AXLE = 0.053
 """m; gctronic driver, argos3-epuck."""
 CENTRE_OF_MASS = (0.004, 0.0, 0.010)
-"""m from the axle's middle on the floor: low, just ahead of the axle, as the battery sits; higher or
-further back tips the robot when it brakes."""
+"""m from the axle's middle on the floor: low, just ahead of the axle, as the battery sits.
+Higher or further back tips the robot when it brakes."""
 SKIDS = (0.030, -0.030)
 """m ahead of the axle: frictionless front skid, and one behind that only catches tipping."""
 SKID_RADIUS = 0.004
@@ -48,6 +48,8 @@ SKID_CLEARANCE = 1e-4
 """m between skids and a level floor: at zero both share the weight and deform circles."""
 WHEEL_SPEED_MAX = 2.0 * math.pi
 """rad/s: 1000 steps/s at 1000 steps per revolution."""
+WHEEL_STEP = 2.0 * math.pi / 1000.0
+"""rad the encoders resolve: 1000 steps per revolution (e-puck's steppers)."""
 
 # Motors and friction
 MOTOR_TORQUE = 0.006
@@ -55,6 +57,8 @@ MOTOR_TORQUE = 0.006
 two thirds of its displacement in the first 40 ms."""
 WHEEL_FRICTION = 1.2
 """Rubber tyre on the floor (floor friction 1); our choice: full reversals do not skid."""
+GRAVITY = 9.81
+"""m/s^2."""
 BODY_FRICTION = 0.3
 """Plastic against wall and other robots; our choice."""
 

@@ -53,7 +53,7 @@ class Engine:
         *,
         step: float = k.PHYSICS_STEP,
         iterations: int = k.SOLVER_ITERATIONS,
-        gravity: tuple[float, float, float] = (0.0, 0.0, -9.81),
+        gravity: tuple[float, float, float] = (0.0, 0.0, -k.GRAVITY),
     ) -> None:
         """Open an empty world with a floor.
 
@@ -181,6 +181,13 @@ class Engine:
         for _ in range(steps):
             bullet.stepSimulation(client)
 
+    def wheel_angles(self, out: FloatArray) -> None:
+        """Fill (robots, 2): rad that the left and right wheel have turned against the body."""
+        client = self._client
+        for i, body in enumerate(self._bodies):
+            left, right = bullet.getJointStates(body, (_LEFT, _RIGHT), client)
+            out[i] = left[0], right[0]
+
     def centres_of_mass(self, out: FloatArray) -> None:
         """Fill (robots, 7): position (m) and quaternion (x, y, z, w) of each robot's base."""
         client = self._client
@@ -202,13 +209,19 @@ class Engine:
         bullet.performCollisionDetection(self._client)  # or rays meet the body where it was
 
     def cast(
-        self, start: FloatArray, end: FloatArray, fraction: FloatArray, normals: FloatArray
+        self,
+        start: FloatArray,
+        end: FloatArray,
+        fraction: FloatArray,
+        normals: FloatArray,
+        on_robot: npt.NDArray[np.bool_] | None = None,
     ) -> None:
         """Cast rays (n, 3) in one batch against walls and bodies.
 
-        Fills `fraction` (n,), 1 where nothing is hit, and `normals` (n, 2), x and y of the surface.
-        A wall's normal is its face's: within a millimetre of a joint the engine's own is that of a
-        box's edge, up to 20 deg off.
+        Fills `fraction` (n,), 1 where nothing is hit, `normals` (n, 2), x and y of the surface,
+        and, if given, `on_robot` (n,): whether it is a robot that was hit. A wall's normal is its
+        face's: within a millimetre of a joint the engine's own is that of a box's edge, up to
+        20 deg off.
         """
         hits: Any = bullet.rayTestBatch(
             start, end, collisionFilterMask=_WALL | _BODY, physicsClientId=self._client
@@ -216,6 +229,8 @@ class Engine:
         for i, (body, _link, share, _place, normal) in enumerate(hits):
             fraction[i] = share if body >= 0 else 1.0
             normals[i] = self._faces.get(body) or normal[:2]
+        if on_robot is not None:
+            on_robot[: len(hits)] = [hit[0] in self._bodies for hit in hits]
 
     def _shape(self, kind: int, **size: Any) -> int:
         shape: int = bullet.createCollisionShape(kind, physicsClientId=self._client, **size)

@@ -19,11 +19,20 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass
 class Lamp:
-    """A light source (m, counts m^exponent); where it stands depends on the case."""
+    """A light source."""
 
+    x: float = 0.0
+    y: float = 0.0
+    """m: of the run's lamp, how far it stands from where the case has it."""
     height: float = k.LAMP_HEIGHT
+    """m."""
     power: float = k.LAMP_POWER
+    """counts m^exponent, as the run was asked for."""
+    scale: float = 1.0
+    """On the power."""
     exponent: float = k.LIGHT_EXPONENT
+    decay: float = 0.0
+    """1/s: share of the power lost, linearly."""
 
 
 def lamp_power(range_m: float) -> float:
@@ -34,6 +43,11 @@ def lamp_power(range_m: float) -> float:
     ahead = max(range_m - k.BODY_RADIUS, k.BODY_RADIUS)
     squared = ahead**2 + (k.LAMP_HEIGHT - k.SENSOR_HEIGHT) ** 2
     return 40.0 * float(squared**1.5) / ahead
+
+
+def facing_counts(range_m: float, power: float) -> float:
+    """Counts that a facing sensor of a robot `range_m` from a lamp of so many counts m^2 reads."""
+    return 40.0 * power / lamp_power(range_m)
 
 
 @dataclass
@@ -48,6 +62,22 @@ class Hardware:
     """(robots,)."""
     motor_torque: FloatArray
     """(robots,) N m per wheel."""
+    command_delay: FloatArray
+    """(robots,) s from a command to the motors."""
+    motor_lag: FloatArray
+    """(robots,) s, time constant of a first-order answer."""
+    speed_limit: FloatArray
+    """(robots, 2) rad/s, most a motor turns."""
+    dead_zone: FloatArray
+    """(robots, 2) rad/s, slower commands do not turn the wheel."""
+    droop: FloatArray
+    """(robots,) 1/s, share of speed lost with time."""
+    markers: FloatArray
+    """(robots, 3) m, m, rad: where the tracker's markers sit in the robot's frame."""
+    clock_delay: FloatArray
+    """(robots,) s by which the tracker's poses are late."""
+    gravity: tuple[float, float, float]
+    """m/s^2 in the floor's frame."""
     sensor_angles: FloatArray
     """(robots, 8) rad from forward."""
     ir_amplitude: FloatArray
@@ -56,11 +86,23 @@ class Hardware:
     """(robots, 8) share of gross outliers."""
     ir_alive: FloatArray
     """(robots, 8) 1, or 0 where the sensor reads nothing."""
+    ir_offset: FloatArray
+    """(robots, 8) counts, whatever the sensor sees."""
+    ir_noise: FloatArray
+    """(robots, 8), on the s.d. of the infrared's noise."""
     light_gain: FloatArray
     """(robots, 8)."""
     light_ambient: FloatArray
     """(robots, 8) counts."""
+    light_response: FloatArray
+    """(robots, 8) exponent of the answer to light, as a share of full scale."""
+    nest: FloatArray
+    """(robots, 3) m: x, y, radius of where the virtual sensor says nest."""
     lamp: Lamp
+    windows: list[Lamp]
+    """More lamps, lit in every case."""
+    wall_reflectance: float = 1.0
+    """Of the wall in the infrared, against the nominal wall."""
 
     @property
     def robots(self) -> int:
@@ -79,13 +121,26 @@ class Hardware:
             axle=np.full(robots, k.AXLE),
             wheel_friction=np.full(robots, k.WHEEL_FRICTION),
             motor_torque=np.full(robots, k.MOTOR_TORQUE),
+            command_delay=np.zeros(robots),
+            motor_lag=np.zeros(robots),
+            speed_limit=rows([np.inf] * 2),
+            dead_zone=rows([0.0] * 2),
+            droop=np.zeros(robots),
+            markers=np.zeros((robots, 3)),
+            clock_delay=np.zeros(robots),
+            gravity=(0.0, 0.0, -k.GRAVITY),
             sensor_angles=rows(SENSOR_ANGLES),
             ir_amplitude=rows([counts * k.IR_OFFSET**2 for counts in k.IR_CONTACT_COUNTS]),
             ir_outliers=rows(k.IR_OUTLIERS),
             ir_alive=rows([1.0] * SENSORS),
+            ir_offset=rows([0.0] * SENSORS),
+            ir_noise=rows([1.0] * SENSORS),
             light_gain=rows([1.0] * SENSORS),
             light_ambient=rows([k.LIGHT_AMBIENT] * SENSORS),
+            light_response=rows([1.0] * SENSORS),
+            nest=rows(k.NEST),
             lamp=Lamp(),
+            windows=[],
         )
 
 

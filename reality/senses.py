@@ -5,6 +5,7 @@ All arrays have one row per robot. Noise is drawn from the generators given.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -50,15 +51,20 @@ class Infrared:
         rays = SENSORS * robots
         self.counts: FloatArray = np.zeros((robots, SENSORS))
         self._alive = hardware.ir_alive
+        self._wall = hardware.wall_reflectance
         self._random = random
         self._start, self._end = np.zeros((rays, 3)), np.zeros((rays, 3))
         self._fraction, self._normals = np.zeros(rays), np.zeros((rays, 2))
+        self._reflectance: FloatArray = np.ones(rays)
+        self._on_robot: npt.NDArray[np.bool_] = np.zeros(rays, dtype=np.bool_)
         self._owner: npt.NDArray[np.int32] = np.zeros(rays, dtype=np.int32)
         self._gauss, self._uniform = np.zeros((2, rays)), np.zeros((2, rays))
         self._optics, self._robots = optics(), robots
         self._angles = doubles(hardware.sensor_angles)
         self._amplitude = doubles(hardware.ir_amplitude)
         self._outliers = doubles(hardware.ir_outliers)
+        self._offset = doubles(hardware.ir_offset)
+        self._noise = doubles(hardware.ir_noise)
 
     def sense(self, engine: Engine, poses: FloatArray) -> None:
         """Cast the rays that something can be in front of, and fill `counts`."""
@@ -72,7 +78,7 @@ class Infrared:
             ffi.from_buffer("int32_t[]", self._owner),
         )
         if rays:
-            engine.cast(self._start[:rays], self._end[:rays], self._fraction, self._normals)
+            self._cast(engine, rays)
         self._random.standard_normal(out=self._gauss)
         self._random.random(out=self._uniform)
         lib.rgo_infrared(
@@ -84,13 +90,25 @@ class Infrared:
             ffi.from_buffer("int32_t[]", self._owner),
             doubles(self._fraction),
             doubles(self._normals),
+            doubles(self._reflectance),
             self._amplitude,
             self._outliers,
+            self._offset,
+            self._noise,
             doubles(self._gauss),
             doubles(self._uniform),
             doubles(self.counts),
         )
         self.counts *= self._alive
+
+    def _cast(self, engine: Engine, rays: int) -> None:
+        """What the rays meet, and how well it reflects."""
+        start, end = self._start[:rays], self._end[:rays]
+        if self._wall == 1.0:
+            engine.cast(start, end, self._fraction, self._normals)
+            return
+        engine.cast(start, end, self._fraction, self._normals, self._on_robot)
+        self._reflectance[:] = np.where(self._on_robot, 1.0, self._wall)
 
 
 class Light:
@@ -105,20 +123,28 @@ class Light:
         self._angles = doubles(hardware.sensor_angles)
         self._ambient = doubles(hardware.light_ambient)
         self._gain = doubles(hardware.light_gain)
-        self._lamps = ffi.new("rgo_lamp[]", 1)
+        self._response = doubles(hardware.light_response)
+        self._lamps = ffi.new("rgo_lamp[]", 1 + len(hardware.windows))
         self._lit = 0
+        self._decay = 0.0
 
     def set_scenario(self, scenario: int) -> None:
         """Put the lamp where one of `embedded_sim.SCENARIOS` has it, or take it away."""
-        place = LAMP_PLACES[scenario]
-        self._lit = int(place is not None)
+        place, lamp = LAMP_PLACES[scenario], self._hardware.lamp
+        lit = list(self._hardware.windows)
         if place is not None:
-            lamp, struct = self._hardware.lamp, self._lamps[0]
-            struct.x, struct.y = place
-            struct.height, struct.power, struct.exponent = lamp.height, lamp.power, lamp.exponent
+            lit.insert(0, replace(lamp, x=place[0] + lamp.x, y=place[1] + lamp.y))
+        for struct, one in zip(self._lamps, lit, strict=False):
+            struct.x, struct.y, struct.height = one.x, one.y, one.height
+            struct.power, struct.exponent = one.power * one.scale, one.exponent
+        self._lit = len(lit)
+        self._decay = 0.0 if place is None else lamp.decay
 
-    def sense(self, poses: FloatArray) -> None:
-        """Fill `counts`."""
+    def sense(self, poses: FloatArray, time: float = 0.0) -> None:
+        """Fill `counts`; `time` (s) since the lamp was lit only matters to one that dims."""
+        if self._decay:
+            lamp = self._hardware.lamp
+            self._lamps[0].power = lamp.power * lamp.scale * max(1.0 - self._decay * time, 0.0)
         self._random.standard_normal(out=self._gauss)
         lib.rgo_light(
             self._optics,
@@ -129,6 +155,7 @@ class Light:
             self._lamps,
             self._ambient,
             self._gain,
+            self._response,
             doubles(self._gauss),
             doubles(self.counts),
         )
@@ -146,8 +173,8 @@ class Tracker:
         self.food: FloatArray = np.zeros((k.FOOD_ITEMS, 2))
         self._random, self._noise = random, np.zeros((robots, 3))
         self._scale = np.array([k.TRACKER_NOISE, k.TRACKER_NOISE, k.TRACKER_YAW_NOISE])
-        self._nest = np.array(k.NEST)
-        self._robots = robots
+        self._nest, self._robots = hardware.nest, robots
+        self._markers = hardware.markers if hardware.markers.any() else None
 
     def place_food(self, item: int, random: np.random.Generator) -> None:
         """Put an item anywhere a robot's centre can reach, outside the nest."""
@@ -161,7 +188,9 @@ class Tracker:
                 return
 
     def measure(self, poses: FloatArray) -> None:
-        """Fill the measured poses (yaw in [-pi, pi) but for noise)."""
+        """Fill the measured poses (yaw in [-pi, pi) but for noise) from those of the robots."""
+        if self._markers is not None:
+            poses = _seen(poses, self._markers)
         self._random.standard_normal(out=self._noise)
         np.multiply(self._noise, self._scale, out=self._noise)
         np.add(poses, self._noise, out=self.poses)
@@ -180,6 +209,20 @@ class Tracker:
             ffi.from_buffer("uint8_t[]", self.on_nest),
             ffi.from_buffer("int32_t[]", self.item),
         )
+
+
+def _seen(poses: FloatArray, markers: FloatArray) -> FloatArray:
+    """Poses (robots, 3) of markers that sit at (x, y, yaw) in their robots' frames."""
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    x, y, yaw = markers.T
+    return np.stack(
+        [
+            poses[:, 0] + c * x - s * y,
+            poses[:, 1] + s * x + c * y,
+            np.remainder(poses[:, 2] + yaw + np.pi, 2.0 * np.pi) - np.pi,
+        ],
+        axis=1,
+    )
 
 
 class Radio:

@@ -13,13 +13,13 @@ import numpy as np
 from embedded_sim.errors import InputError
 from reality import constants as k
 from reality._optics import lib
+from reality.clock import Past
 from reality.effects.spec import Hidden
+from reality.encoders import Encoders
 from reality.engine import Engine
 from reality.hardware import FloatArray, Hardware
+from reality.motors import SUBSTEPS, Motors
 from reality.senses import Infrared, Light, Radio, Tracker, doubles
-
-SUBSTEPS = round(k.CONTROL_STEP / k.PHYSICS_STEP)
-"""Physics steps per control step."""
 
 
 class World:
@@ -60,14 +60,15 @@ class World:
         self.tracker = Tracker(hardware, tracker)
         self.radio = Radio(robots)
         self.time_step = 0
-        self._torque = hardware.motor_torque.tolist()
+        self.motors = Motors(hardware)
+        self.encoders = Encoders(robots)
+        self._past = Past(hardware.clock_delay, self.poses) if hardware.clock_delay.any() else None
         self._food_random = food
-        self._driven: FloatArray = np.full((robots, 2), np.nan)
         self._raw: FloatArray = np.zeros((robots, 7))
         self._centre: FloatArray = np.array(k.CENTRE_OF_MASS)
         for item in range(k.FOOD_ITEMS):
             self.tracker.place_food(item, food)
-        self.engine = Engine()
+        self.engine = Engine(gravity=hardware.gravity)
         self.engine.add_ring()
         for i in range(robots):
             self.engine.add_epuck(
@@ -83,14 +84,17 @@ class World:
 
     def sense(self) -> None:
         """Fill `infrared.counts`, `light.counts` and the tracker's measured poses."""
-        self.engine.centres_of_mass(self._raw)
-        lib.rgo_poses(self.robots, doubles(self._raw), doubles(self._centre), doubles(self.poses))
+        self._locate()
         if not np.isfinite(self.poses).all():
             robot = int(np.argmin(np.isfinite(self.poses).all(axis=1)))
             raise ArithmeticError(f"the physics diverged at step {self.time_step}, robot {robot}")
         self.infrared.sense(self.engine, self.poses)
-        self.light.sense(self.poses)
-        self.tracker.measure(self.poses)
+        self.light.sense(self.poses, self.time_step * k.CONTROL_STEP)
+        self.tracker.measure(self.poses if self._past is None else self._past.late())
+
+    def read_encoders(self) -> None:
+        """Fill `encoders.speeds`; call it at every control step or not at all."""
+        self.encoders.read(self.engine)
 
     def replace_food(self, robot: int) -> None:
         """The robot has taken the item it is on; a new one appears elsewhere."""
@@ -98,13 +102,22 @@ class World:
 
     def act(self, commands: FloatArray) -> None:
         """Send wheel speeds (robots, 2) in rad/s to the motors and advance one control step."""
-        changed = (commands != self._driven).any(axis=1)
-        for i in np.flatnonzero(changed).tolist():
-            left, right = commands[i].tolist()
-            self.engine.drive(i, left, right, self._torque[i])
-        self._driven[:] = commands
-        self.engine.advance(SUBSTEPS)
+        self.motors.command(self.engine, commands)
+        if self.motors.chain is None and self._past is None:
+            self.engine.advance(SUBSTEPS)
+        else:
+            for substep in range(SUBSTEPS):
+                self.motors.drive(self.engine, substep)
+                self.engine.advance(1)
+                if self._past is not None:
+                    self._locate()
+                    self._past.add(self.poses)
         self.time_step += 1
+
+    def _locate(self) -> None:
+        """Fill the robots' true poses."""
+        self.engine.centres_of_mass(self._raw)
+        lib.rgo_poses(self.robots, doubles(self._raw), doubles(self._centre), doubles(self.poses))
 
 
 def scatter(robots: int, random: np.random.Generator) -> FloatArray:

@@ -31,9 +31,11 @@ _UNITS = {
     "yaw": "rad",
     "cmd_left": "rad/s",
     "cmd_right": "rad/s",
+    "wheel_left": "rad/s",
+    "wheel_right": "rad/s",
     **{f"{kind}{i}": "counts" for kind in ("ps", "ls") for i in range(SENSORS)},
 }
-_FLOATS = ("t", "x", "y", "yaw", "cmd_left", "cmd_right")
+_FLOATS = ("t", "x", "y", "yaw", "cmd_left", "cmd_right", "wheel_left", "wheel_right")
 _COUNTS = tuple(f"{kind}{i}" for kind in ("ps", "ls") for i in range(SENSORS))
 
 
@@ -91,13 +93,19 @@ class Recorder:
             self._writer = None
 
     def sample(self, step: int, world: World, swarm: Swarm, scenario: int) -> None:
-        """Keep one control step: measured poses, readings, virtual sensor, commands answered."""
+        """Keep one control step: measured poses, readings, virtual sensor, commands answered.
+
+        A row's commands hold from its time on; its wheel speeds are the encoders' steps since the
+        row before.
+        """
         if not self._rows:
             return
+        world.read_encoders()
         at = self._filled
         self._floats[0, at] = step * CONTROL_STEP
         self._floats[1:4, at] = world.tracker.poses.T
         self._floats[4:6, at] = swarm.commands.T
+        self._floats[6:8, at] = world.encoders.speeds.T
         self._counts[at, :, :SENSORS] = world.infrared.counts
         self._counts[at, :, SENSORS:] = world.light.counts
         self._flags[0, at] = world.tracker.on_food

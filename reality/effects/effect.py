@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from reality.hardware import Hardware
+from embedded_sim import SENSORS
+from reality.hardware import FloatArray, Hardware
 
 Value = float | str
 Robots = npt.NDArray[np.intp]
+Kind = Literal["motion", "infrared", "light", "task"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,6 +24,8 @@ class Parameter:
     unit: str = "1"
     low: float = -np.inf
     high: float = np.inf
+    null: float | None = None
+    """The number that changes nothing; None where there is none, as of a dead sensor."""
     words: tuple[str, ...] = ()
     default: Value | None = None
     """Used when the key is absent; None: the key is required."""
@@ -31,6 +36,8 @@ class Effect:
     """A physical change of robots or place."""
 
     name: str
+    kind: Kind
+    """Where it shows first."""
     physics: str
     """What is changed, in a few words."""
     parameters: Mapping[str, Parameter]
@@ -40,6 +47,41 @@ class Effect:
     """False for lamps, walls and floors: `robot=` is refused."""
 
 
+WHEEL = Parameter(words=("left", "right", "both"), default="both")
+"""Which wheels."""
+SENSOR = Parameter(words=tuple(str(i) for i in range(SENSORS)))
+"""Which of the ring's eight sensors."""
+SENSOR_OR_ALL = Parameter(words=(*SENSOR.words, "all"), default="all")
+
+
 def number(values: Mapping[str, Value], key: str) -> float:
     """A parameter that is a number."""
     return float(values[key])
+
+
+def scale(low: float, high: float) -> Parameter:
+    """A factor on something nominal."""
+    return Parameter(low=low, high=high, null=1.0)
+
+
+def wheels(values: Mapping[str, Value]) -> slice:
+    """Columns of a (robots, 2) array that the key `wheel` names."""
+    return {"left": slice(0, 1), "right": slice(1, 2), "both": slice(0, 2)}[str(values["wheel"])]
+
+
+def sensors(values: Mapping[str, Value]) -> slice:
+    """Columns of a (robots, 8) array that the key `sensor` names."""
+    if values["sensor"] == "all":
+        return slice(0, SENSORS)
+    sensor = int(values["sensor"])
+    return slice(sensor, sensor + 1)
+
+
+def put(array: FloatArray, robots: Robots, columns: slice, value: float) -> None:
+    """Set some columns of some robots' rows."""
+    array[robots, columns] = value
+
+
+def multiply(array: FloatArray, robots: Robots, columns: slice, factor: float) -> None:
+    """Scale some columns of some robots' rows."""
+    array[robots, columns] *= factor

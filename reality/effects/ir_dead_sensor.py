@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from embedded_sim import SENSORS
-from reality.effects.effect import Effect, Parameter, Robots, Value, number
+from reality.effects.effect import SENSOR, Effect, Robots, Value, put, sensors
 from reality.hardware import Hardware
 
 
 def _apply(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
-    hardware.ir_alive[robots, int(number(values, "sensor"))] = 0.0
+    put(hardware.ir_alive, robots, sensors(values), 0.0)
 
 
 EFFECT = Effect(
     name="ir_dead_sensor",
+    kind="infrared",
     physics="the sensor's channel reads 0",
-    parameters={"sensor": Parameter(words=tuple(str(i) for i in range(SENSORS)))},
+    parameters={"sensor": SENSOR},
     apply=_apply,
 )

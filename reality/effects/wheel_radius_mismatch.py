@@ -17,7 +17,8 @@ def _apply(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> N
 
 EFFECT = Effect(
     name="wheel_radius_mismatch",
+    kind="motion",
     physics="the body has two wheels of different radius, their mean kept",
-    parameters={"ratio": Parameter(unit="right/left", low=0.5, high=2.0)},
+    parameters={"ratio": Parameter(unit="right/left", low=0.5, high=2.0, null=1.0)},
     apply=_apply,
 )

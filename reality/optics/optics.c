@@ -63,7 +63,8 @@ static double outlier(double uniform) {
 
 void rgo_infrared(const rgo_optics *o, int32_t robots, const double *poses, const double *angles,
                   int32_t rays, const int32_t *owner, const double *fraction, const double *normals,
-                  const double *amplitude, const double *outliers, const double *gauss,
+                  const double *reflectance, const double *amplitude, const double *outliers,
+                  const double *offset, const double *noise, const double *gauss,
                   const double *uniform, double *counts) {
     const int32_t all = SENSORS * robots;
     memset(counts, 0, (size_t)all * sizeof *counts);
@@ -74,13 +75,13 @@ void rgo_infrared(const rgo_optics *o, int32_t robots, const double *poses, cons
         const double angle = poses[3 * (at / SENSORS) + 2] + angles[at];
         const double cosine = -(cos(angle) * normals[2 * r] + sin(angle) * normals[2 * r + 1]);
         const double d = fraction[r] * o->ir_range + o->ir_offset;
-        counts[at] = amplitude[at] * fmax(cosine, 0.0) / (d * d);
+        counts[at] = amplitude[at] * reflectance[r] * fmax(cosine, 0.0) / (d * d);
     }
     for (int32_t at = 0; at < all; at++) {
-        double value = counts[at] * (1.0 + o->ir_noise * gauss[at]);
+        double value = counts[at] * (1.0 + o->ir_noise * noise[at] * gauss[at]);
         if (uniform[at] < outliers[at])
             value = counts[at] * outlier(uniform[all + at]);
-        value += o->ir_noise_floor * gauss[all + at];
+        value += o->ir_noise_floor * noise[at] * gauss[all + at] + offset[at];
         counts[at] = rint(fmin(fmax(value, 0.0), o->counts_max));
     }
 }
@@ -105,7 +106,7 @@ static int shaded(const rgo_optics *o, double px, double py, const rgo_lamp *lam
 
 void rgo_light(const rgo_optics *o, int32_t robots, const double *poses, const double *angles,
                int32_t lamps, const rgo_lamp *lamp, const double *ambient, const double *gain,
-               const double *gauss, double *counts) {
+               const double *response, const double *gauss, double *counts) {
     for (int32_t i = 0; i < robots; i++) {
         const double x = poses[3 * i], y = poses[3 * i + 1], yaw = poses[3 * i + 2];
         for (int k = 0; k < SENSORS; k++) {
@@ -127,7 +128,10 @@ void rgo_light(const rgo_optics *o, int32_t robots, const double *poses, const d
                 const double distance = sqrt(vx * vx + vy * vy + vz * vz);
                 light += lamp[l].power * facing / distance / pow(distance, lamp[l].exponent);
             }
-            const double value = o->light_dark - gain[at] * light + o->light_noise * gauss[at];
+            double signal = gain[at] * light;
+            if (response[at] != 1.0)
+                signal = o->light_dark * pow(signal / o->light_dark, response[at]);
+            const double value = o->light_dark - signal + o->light_noise * gauss[at];
             counts[at] = rint(fmin(fmax(value, 0.0), o->counts_max));
         }
     }
@@ -157,8 +161,8 @@ void rgo_virtual_sensor(int32_t robots, const double *poses, const uint8_t *carr
                         const double *food, double food_radius, const double *nest,
                         uint8_t *on_food, uint8_t *on_nest, int32_t *item) {
     for (int32_t i = 0; i < robots; i++) {
-        const double nx = poses[3 * i] - nest[0], ny = poses[3 * i + 1] - nest[1];
-        on_nest[i] = (uint8_t)(nx * nx + ny * ny < nest[2] * nest[2]);
+        const double nx = poses[3 * i] - nest[3 * i], ny = poses[3 * i + 1] - nest[3 * i + 1];
+        on_nest[i] = (uint8_t)(nx * nx + ny * ny < nest[3 * i + 2] * nest[3 * i + 2]);
         item[i] = -1;
         for (int32_t f = 0; f < items && item[i] < 0; f++) {
             const double dx = poses[3 * i] - food[2 * f], dy = poses[3 * i + 1] - food[2 * f + 1];

@@ -34,24 +34,27 @@ void rgo_poses(int32_t robots, const double *bodies, const double *centre_of_mas
 int32_t rgo_rays(const rgo_optics *o, int32_t robots, const double *poses, const double *angles,
                  double *from, double *to, int32_t *owner);
 
-/* Counts (robots, 8) from ray hits: fraction of the range (1: nothing) and the hit's normal (x, y).
- * gauss, uniform: (2, robots, 8) random numbers. amplitude, outliers, offset: (robots, 8). */
+/* Counts (robots, 8) from ray hits: fraction of the range (1: nothing), the hit's normal (x, y) and
+ * its reflectance, 1 for the nominal surface. gauss, uniform: (2, robots, 8) random numbers.
+ * amplitude, outliers, offset (counts), noise (on both noises): (robots, 8). */
 void rgo_infrared(const rgo_optics *o, int32_t robots, const double *poses, const double *angles,
                   int32_t rays, const int32_t *owner, const double *fraction, const double *normals,
-                  const double *amplitude, const double *outliers, const double *gauss,
+                  const double *reflectance, const double *amplitude, const double *outliers,
+                  const double *offset, const double *noise, const double *gauss,
                   const double *uniform, double *counts);
 
-/* Light counts (robots, 8). Robots shade one another. ambient, gain: (robots, 8). */
+/* Light counts (robots, 8). Robots shade one another. ambient, gain: (robots, 8). response
+ * (robots, 8): exponent of the sensor's answer, as a share of full scale; 1 is linear. */
 void rgo_light(const rgo_optics *o, int32_t robots, const double *poses, const double *angles,
                int32_t lamps, const rgo_lamp *lamp, const double *ambient, const double *gain,
-               const double *gauss, double *counts);
+               const double *response, const double *gauss, double *counts);
 
 /* heard (robots, robots): receiver, sender; within range, and no third robot in between. */
 void rgo_radio(const rgo_optics *o, int32_t robots, const double *poses, const uint8_t *active,
                double range, uint8_t *heard);
 
-/* Virtual sensor. An item is offered to one robot at a time: the first that carries none.
- * item[i]: the item robot i is on, or -1. */
+/* Virtual sensor; nest (robots, 3): x, y, radius (m). An item is offered to one robot at a time:
+ * the first that carries none. item[i]: the item robot i is on, or -1. */
 void rgo_virtual_sensor(int32_t robots, const double *poses, const uint8_t *carrying, int32_t items,
                         const double *food, double food_radius, const double *nest,
                         uint8_t *on_food, uint8_t *on_nest, int32_t *item);

@@ -1,0 +1,22 @@
+"""A ring of sensors mounted at an angle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from reality.effects.effect import Effect, Parameter, Robots, Value, number
+from reality.hardware import Hardware
+
+
+def _apply(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
+    hardware.sensor_angles[robots] += number(values, "angle")
+
+
+EFFECT = Effect(
+    name="ir_rotation",
+    kind="infrared",
+    physics="the ring of infrared and light sensors is turned on the body, counter-clockwise",
+    parameters={"angle": Parameter(unit="rad", low=-math.pi, high=math.pi, null=0.0)},
+    apply=_apply,
+)

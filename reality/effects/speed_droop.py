@@ -1,0 +1,21 @@
+"""Motors that slow down as the battery empties."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from reality.effects.effect import Effect, Parameter, Robots, Value, number
+from reality.hardware import Hardware
+
+
+def _apply(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
+    hardware.droop[robots] = number(values, "rate")
+
+
+EFFECT = Effect(
+    name="speed_droop",
+    kind="motion",
+    physics="the speed a motor reaches falls linearly with time",
+    parameters={"rate": Parameter(unit="1/s", low=0.0, high=0.1, null=0.0)},
+    apply=_apply,
+)

@@ -1,0 +1,22 @@
+"""Motors with less torque than the e-puck's."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from reality import constants as k
+from reality.effects.effect import Effect, Parameter, Robots, Value, number
+from reality.hardware import Hardware
+
+
+def _apply(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
+    hardware.motor_torque[robots] = number(values, "torque")
+
+
+EFFECT = Effect(
+    name="weak_motor",
+    kind="motion",
+    physics="the torque that a motor can give is limited",
+    parameters={"torque": Parameter(unit="N m", low=0.0, high=0.1, null=k.MOTOR_TORQUE)},
+    apply=_apply,
+)

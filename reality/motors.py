@@ -1,0 +1,122 @@
+"""What happens to a command on its way to the wheels: delay, dead zone, limit, droop, lag.
+
+Robots with nothing hidden in this chain get their commands as they are, once per control step. For
+the others a joint's target in a physics step is the mean, over that step, of the speed that the
+chain asks for: the motor turns as far as it should however a delay falls between two steps.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from reality import constants as k
+from reality.engine import Engine
+from reality.hardware import FloatArray, Hardware
+
+SUBSTEPS = round(k.CONTROL_STEP / k.PHYSICS_STEP)
+"""Physics steps per control step."""
+
+_TIE = 1e-9
+"""control steps: a delay of whole steps must not be split by rounding."""
+
+
+class Motors:
+    """The motors of a swarm."""
+
+    def __init__(self, hardware: Hardware) -> None:
+        self._torque = hardware.motor_torque.tolist()
+        self._driven: FloatArray = np.full((hardware.robots, 2), np.nan)
+        touched = (
+            (hardware.command_delay > 0.0)
+            | (hardware.motor_lag > 0.0)
+            | (hardware.droop != 0.0)
+            | (hardware.speed_limit < np.inf).any(axis=1)
+            | (hardware.dead_zone > 0.0).any(axis=1)
+        )
+        self._chained = np.flatnonzero(touched)
+        self._plain = ~touched
+        self.chain = Chain(hardware, self._chained) if touched.any() else None
+
+    def command(self, engine: Engine, commands: FloatArray) -> None:
+        """Take the wheel speeds (robots, 2) in rad/s of a control step."""
+        changed = (commands != self._driven).any(axis=1) & self._plain
+        for i in np.flatnonzero(changed).tolist():
+            left, right = commands[i].tolist()
+            engine.drive(i, left, right, self._torque[i])
+        if self.chain is None:
+            self._driven[:] = commands
+            return
+        self._driven[self._plain] = commands[self._plain]
+        self.chain.push(commands[self._chained])
+
+    def drive(self, engine: Engine, substep: int) -> None:
+        """Set the joints' targets for one physics step of robots whose chain is not plain."""
+        if self.chain is None:
+            return
+        targets = self.chain.targets(substep)
+        changed = (targets != self._driven[self._chained]).any(axis=1)
+        self._driven[self._chained] = targets
+        for n in np.flatnonzero(changed).tolist():
+            robot = int(self._chained[n])
+            left, right = targets[n].tolist()
+            engine.drive(robot, left, right, self._torque[robot])
+
+
+class Chain:
+    """The chain of some robots, as arrays with a row per robot; a physics step has two parts.
+
+    Within a physics step of 10 ms at most one new command, sent every 40 ms, arrives at a motor:
+    the part before it obeys the older command, the part after it the newer. Where it falls depends
+    on the delay alone and is the same in every control step.
+    """
+
+    def __init__(self, hardware: Hardware, robots: npt.NDArray[np.intp]) -> None:
+        self._limit, self._dead = hardware.speed_limit[robots], hardware.dead_zone[robots]
+        self._droop = hardware.droop[robots, None]
+        self._rows = np.arange(len(robots))
+        delay = hardware.command_delay[robots]
+        starts = k.PHYSICS_STEP * np.arange(SUBSTEPS)[:, None]
+        back = np.floor((starts - delay) / k.CONTROL_STEP + _TIE)
+        arrival = (back + 1.0) * k.CONTROL_STEP + delay - starts
+        older = np.clip(arrival, 0.0, k.PHYSICS_STEP)
+        older[k.PHYSICS_STEP - older < _TIE * k.CONTROL_STEP] = k.PHYSICS_STEP
+        self._slot = np.stack([back, np.minimum(back + 1.0, 0.0)], axis=1).astype(np.intp)
+        """(substeps, 2, n): control steps before the present one."""
+        self._span = np.stack([older, k.PHYSICS_STEP - older], axis=1)[..., None]
+        """(substeps, 2, n, 1) s."""
+        lag = hardware.motor_lag[robots, None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            left = np.exp(-self._span / lag)
+        self._left = np.where(self._span > 0.0, np.where(lag > 0.0, left, 0.0), 1.0)
+        """(substeps, 2, n, 1): share of the way to the target that is still to go after a part."""
+        self._slip = lag * (1.0 - self._left)
+        """(substeps, 2, n, 1) s: part of that way not turned meanwhile."""
+        self._queue: FloatArray = np.zeros((1 - int(self._slot.min()), len(robots), 2))
+        self._newest = -1
+        self._speed: FloatArray = np.zeros((len(robots), 2))
+
+    def push(self, commands: FloatArray) -> None:
+        """A control step begins with commands (n, 2) in rad/s."""
+        self._newest += 1
+        self._queue[self._newest % len(self._queue)] = commands
+
+    def targets(self, substep: int) -> FloatArray:
+        """Mean speeds (n, 2) in rad/s that the chain asks for in a physics step."""
+        now = self._newest * k.CONTROL_STEP + substep * k.PHYSICS_STEP
+        turned: FloatArray = np.zeros_like(self._speed)
+        for part in range(2):
+            at = (self._newest + self._slot[substep, part]) % len(self._queue)
+            asked = self._answer(self._queue[at, self._rows], now)
+            away = self._speed - asked
+            turned += asked * self._span[substep, part] + away * self._slip[substep, part]
+            self._speed = asked + away * self._left[substep, part]
+        return turned / k.PHYSICS_STEP
+
+    def _answer(self, command: FloatArray, now: float) -> FloatArray:
+        """Speeds (n, 2) that motors without inertia would reach at a time (s)."""
+        speed = np.abs(command)
+        speed[speed < self._dead] = 0.0
+        np.minimum(speed, self._limit, out=speed)
+        speed *= np.maximum(1.0 - self._droop * now, 0.0)
+        return np.copysign(speed, command)
