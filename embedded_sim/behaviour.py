@@ -17,12 +17,7 @@ class Behaviour:
 
     cruise_speed: float = 6.0
     """rad/s of the faster wheel: 12.3 cm/s, just under the e-puck's 6.28 rad/s."""
-    avoid_threshold: tuple[float, ...] = (200.0, 60.0, math.inf, math.inf) + (
-        math.inf,
-        math.inf,
-        60.0,
-        200.0,
-    )
+    avoid_threshold: tuple[float, ...] = (200.0, 60.0, *[math.inf] * 4, 60.0, 200.0)
     """counts: an obstacle about 30 mm before the front pair, 18 mm before the side-front pair; with
     the side and back sensors a robot in a crowd would never be free to go."""
     avoid_speed: float = 4.0
