@@ -11,6 +11,7 @@ over a whole family of maps.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +44,8 @@ class Map(NamedTuple):
     """(groups,) of the clipped error; in the channel's unit."""
     error: FloatArray
     """(groups,) standard error of the mean, by blocks."""
+    rms: FloatArray
+    """(groups,) robust root mean square: 1.48 times the median size of the errors; NaN if empty."""
     z: FloatArray
     """(groups,) mean over its standard error; 0 where a group has too few blocks."""
     p: float
@@ -118,10 +121,32 @@ def residual_maps(
             p = min(1.0, family * beaten / (FLIPS + 1)) if top > 0 else 1.0
             n = np.maximum(count[:, k], 1)
             mean, error = total[:, :, k].sum(axis=0) / n, scale[:, k] / n
+            rms = _sizes(found.value[:, k], cut)
             maps.append(
-                Map(name, channel, cut.labels, cut.centres, count[:, k], mean, error, z[:, k], p)
+                Map(
+                    name,
+                    channel,
+                    cut.labels,
+                    cut.centres,
+                    count[:, k],
+                    mean,
+                    error,
+                    rms,
+                    z[:, k],
+                    p,
+                )
             )
     return maps
+
+
+def _sizes(value: FloatArray, cut: Bins) -> FloatArray:
+    """(groups,) robust root mean square of a channel's errors."""
+    inside = (cut.group >= 0) & np.isfinite(value)
+    order = np.argsort(cut.group[inside], kind="stable")
+    size, group = np.abs(value[inside])[order], cut.group[inside][order]
+    edges = np.searchsorted(group, np.arange(len(cut.labels) + 1))
+    parts = [size[a:b] for a, b in pairwise(edges)]
+    return NORMAL * np.array([np.median(part) if len(part) else np.nan for part in parts])
 
 
 def _sums(

@@ -72,10 +72,23 @@ def split(error: FloatArray, noise: FloatArray) -> Share:
 
 
 def explained(found: Map, rms: float) -> float:
-    """Share of the mean square error that a map's group means account for, less chance's."""
+    """Share of the mean square error that differences between a map's groups account for.
+
+    Less what chance gives; for the map of everything together, what its offset accounts for.
+    """
     n = found.number.sum()
     if not n or rms <= 0.0:
         return 0.0
     weight = found.number / n
-    beyond = (weight * (found.mean**2 - found.error**2)).sum()
+    centre = 0.0 if len(weight) == 1 else (weight * found.mean).sum()
+    beyond = (weight * ((found.mean - centre) ** 2 - found.error**2)).sum()
     return float(np.clip(beyond / rms**2, 0.0, 1.0))
+
+
+def telling(found: Map) -> int:
+    """The group of a map that stands out most."""
+    n = max(int(found.number.sum()), 1)
+    several = int((found.number > 0).sum()) > 1
+    centre = (found.number * found.mean).sum() / n if several else 0.0
+    away = np.abs(found.mean - centre) / np.where(found.error > 0, found.error, np.inf)
+    return int(away.argmax())

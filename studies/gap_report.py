@@ -1,4 +1,4 @@
-"""The gap report: `gap.json`, a tidy table, and a figure, from a measured log and a model."""
+"""The gap report: `gap.json`, tidy tables and figures, from a measured log and a model."""
 
 from __future__ import annotations
 
@@ -7,75 +7,202 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-import seaborn as sns
-from matplotlib.figure import Figure
+import pyarrow as pa
+import pyarrow.parquet as pq
 
-from embedded_sim import InputError, PointModel
-from models.horizons import horizon_errors
+from models.flips import Map
+from models.gap import LEVEL, Gap
+from models.horizons import COLUMNS
 from models.log import MeasuredLog
+from models.motion_gap import UNITS
+from models.noise import pose_noise
+from models.shares import Share, explained
+from studies.coevolution_gap import CoevolutionGap
+from studies.gap_figures import draw_figures
+from studies.gap_words import ranked_maps, summary
 
 SCHEMA = 1
+MOST_CONDITIONS = 3
+"""Conditions listed per channel in `gap.json`; `maps.parquet` has them all."""
 
 
-def write_gap(log: MeasuredLog, model: PointModel, out: Path) -> dict[str, Any]:
-    """Write `gap.json`, `horizons.parquet` and `horizons.png` into an existing directory.
+def write_gap(
+    log: MeasuredLog, gap: Gap, out: Path, *, name: str, coevolution: CoevolutionGap | None = None
+) -> dict[str, Any]:
+    """Write the report into an existing directory and return what `gap.json` holds.
 
-    Raises:
-        InputError: no window of any horizon lies within the log.
+    Args:
+        log: The measured log.
+        gap: What a model gets wrong about it.
+        out: Directory.
+        name: What the model is called.
+        coevolution: The gap in fitness, where the log's run has generations.
     """
-    table = horizon_errors(log, model)
-    if table.empty:
-        raise InputError("log", "no two tracked rows in a row", "at least one replayable step")
-    report = {
+    report = describe(log, gap, name=name, coevolution=coevolution)
+    for table, frame, units in _tables(log, gap):
+        _write(frame, units, out / f"{table}.parquet")
+    if coevolution is not None:
+        _write(coevolution.table, coevolution.units, out / "coevolution.parquet")
+    draw_figures(log, gap, out, coevolution)
+    text = json.dumps(report, indent=1, allow_nan=False)
+    (out / "gap.json").write_text(text + "\n", encoding="utf-8")
+    return report
+
+
+def describe(
+    log: MeasuredLog, gap: Gap, *, name: str, coevolution: CoevolutionGap | None = None
+) -> dict[str, Any]:
+    """What `gap.json` holds: plain numbers, text and lists."""
+    report: dict[str, Any] = {
         "schema": SCHEMA,
+        "model": {"name": name, "sensors": bool(gap.sensors)},
         "log": {
             "rows": len(log.t),
             "runs": int(log.segments["run"].nunique()),
             "robots": int(log.segments["robot"].nunique()),
+            "seconds": float((log.t[log.start[1:] - 1] - log.t[log.start[:-1]]).sum()),
             "step_s": log.step,
+            "notes": list(log.notes),
+            "not_judged": list(gap.silent),
         },
-        "horizons": summarise(table),
-        "notes": list(log.notes),
+        "noise": {
+            "position_m": gap.noise.position,
+            "heading_rad": gap.noise.heading,
+            "how": " ".join((pose_noise.__doc__ or "").split(";")[0].split())
+            + ", from second differences of one-step errors under steady commands",
+        },
+        "level": LEVEL,
+        "flagged": gap.flagged,
+        "horizons": _horizons(gap),
+        "channels": _channels(gap),
+        "robots": [odd._asdict() | {"flagged": odd.p <= LEVEL} for odd in gap.robots],
     }
-    table.to_parquet(out / "horizons.parquet", index=False)
-    _figure(table, out / "horizons.png")
-    (out / "gap.json").write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+    if coevolution is not None:
+        report["coevolution"] = coevolution.report
+    report["summary"] = summary(log, gap, coevolution)
     return report
 
 
-def summarise(table: pd.DataFrame) -> list[dict[str, Any]]:
-    """Per horizon, the median over robots and runs of their median errors."""
+def _horizons(gap: Gap) -> list[dict[str, Any]]:
+    """Per horizon the median over robots and runs of each quantile."""
     rows = []
-    for name, part in table.groupby("horizon", sort=False):
+    for name, part in gap.horizons.groupby("horizon", sort=False):
+        row: dict[str, Any] = {"horizon": name, "seconds": float(part["seconds"].median())}
+        row["windows"] = int(part["windows"].sum())
+        for channel, unit in COLUMNS.items():
+            kinds = ("median", "p95", "noise")
+            values = {kind: float(part[f"{channel}_{kind}"].median()) for kind in kinds}
+            row[channel] = values | {"unit": unit}
+        rows.append(row)
+    return rows
+
+
+def _channels(gap: Gap) -> list[dict[str, Any]]:
+    """Every channel: how large its error is, its shares, and what it depends on most."""
+    maps: dict[tuple[str, str, str], list[Map]] = {}
+    for kind, horizon, found in gap.maps():
+        maps.setdefault((kind, horizon, found.channel), []).append(found)
+    rows = []
+    for kind, horizon, channel, share in gap.shares():
+        ranked = ranked_maps(maps.get((kind, horizon, channel), []), share.rms)
         rows.append(
             {
-                "horizon": name,
-                "seconds": float(part["seconds"].median()),
-                "windows": int(part["windows"].sum()),
-                "position_median_m": float(part["position_median"].median()),
-                "heading_median_rad": float(part["heading_median"].median()),
+                "kind": kind,
+                "channel": channel,
+                "horizon": horizon or None,
+                "unit": unit_of(channel),
+                "rms": share.rms,
+                "noise_rms": share.noise_rms,
+                "bias_value": share.bias_value,
+                "shares": {name: getattr(share, name) for name in ("noise", "bias", "structured")},
+                "p": min((m.p for m in ranked), default=1.0),
+                "depends_on": [
+                    _condition(m, share)
+                    for m in [m for m in ranked if m.p <= LEVEL][:MOST_CONDITIONS]
+                ],
             }
         )
     return rows
 
 
-def _figure(table: pd.DataFrame, path: Path) -> None:
-    """Error against horizon, one line per robot and run."""
-    sns.set_theme(style="whitegrid")
-    figure = Figure(figsize=(9, 4), layout="constrained")
-    axes = figure.subplots(1, 2)
-    who = table["run"] + " / " + table["robot"].astype(str)
-    for axis, channel, unit in zip(axes, ("position", "heading"), ("m", "rad"), strict=True):
-        sns.lineplot(
-            x=table["seconds"],
-            y=table[f"{channel}_median"],
-            units=who,
-            estimator=None,
-            ax=axis,
-            marker="o",
-            alpha=0.6,
+def _condition(found: Map, share: Share) -> dict[str, Any]:
+    """One map in short: its groups' means."""
+    groups = zip(found.labels, found.number, found.mean, found.rms, found.z, strict=True)
+    return {
+        "condition": found.condition,
+        "p": found.p,
+        "explains": explained(found, share.rms),
+        "groups": [
+            {
+                "group": label,
+                "windows": int(n),
+                "mean": float(mean),
+                "rms": float(rms),
+                "z": float(z),
+            }
+            for label, n, mean, rms, z in groups
+            if n
+        ],
+    }
+
+
+def unit_of(channel: str) -> str:
+    """m, rad or counts."""
+    return UNITS.get(channel, "counts")
+
+
+def _tables(log: MeasuredLog, gap: Gap) -> list[tuple[str, pd.DataFrame, dict[str, str]]]:
+    """The tidy tables: errors by horizon, every map, every judged window, every sensor residual."""
+    units = {"seconds": "s"}
+    units |= {f"{c}_{q}": u for c, u in COLUMNS.items() for q in ("median", "p95", "noise")}
+    tables = [("horizons", gap.horizons, units), ("maps", _map_table(gap), {})]
+    parts = []
+    for motion in gap.motion:
+        frame = motion.table.assign(
+            horizon=motion.horizon, t=log.t[motion.pairs.first], clear=motion.clear
         )
-        axis.set(xscale="log", yscale="log", xlabel="horizon (s)")
-        axis.set_ylabel(f"median {channel} error ({unit})")
-    figure.suptitle("What the point model gets wrong, by horizon")
-    figure.savefig(path, dpi=120, metadata={"Software": ""})
+        frame["run"] = log.frame["run"].astype(str).to_numpy()[motion.pairs.first]
+        frame["robot"] = log.frame["robot"].to_numpy()[motion.pairs.first]
+        wrong = zip(UNITS, motion.error.T, strict=True)
+        parts.append(frame.assign(**{f"error_{name}": column for name, column in wrong}))
+    if parts:
+        named = {f"error_{name}": unit for name, unit in UNITS.items()}
+        named |= {"t": "s", "time": "s", "speed": "m/s", "turn": "rad/s", "change": "rad/s"}
+        named |= dict.fromkeys(("x", "y", "radius", "near_wall", "near_robot"), "m")
+        named |= dict.fromkeys(("heading", "sector"), "rad")
+        tables.append(("windows", pd.concat(parts, ignore_index=True), named))
+    for sensor in gap.sensors:
+        residual = pd.DataFrame(sensor.residual, columns=list(sensor.channels))
+        there = sensor.table.drop(columns=["robot", "run"]).assign(clear=sensor.clear)
+        counts = dict.fromkeys(sensor.channels, "counts")
+        tables.append((sensor.kind, pd.concat([there, residual], axis=1), counts))
+    return tables
+
+
+def _map_table(gap: Gap) -> pd.DataFrame:
+    """One row per kind, horizon, channel, condition and group."""
+    parts = []
+    for kind, horizon, found in gap.maps():
+        columns = {
+            "group": found.labels,
+            "centre": found.centres,
+            "windows": found.number,
+            "mean": found.mean,
+            "standard_error": found.error,
+            "rms": found.rms,
+            "z": found.z,
+        }
+        frame = pd.DataFrame(columns)
+        frame.insert(0, "condition", found.condition)
+        frame.insert(0, "channel", found.channel)
+        frame.insert(0, "horizon", horizon)
+        frame.insert(0, "kind", kind)
+        parts.append(frame.assign(p=found.p, unit=unit_of(found.channel)))
+    return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
+
+
+def _write(frame: pd.DataFrame, units: dict[str, str], path: Path) -> None:
+    """Parquet with each column's unit in its field's metadata."""
+    table = pa.Table.from_pandas(frame, preserve_index=False)
+    fields = [field.with_metadata({"unit": units.get(field.name, "")}) for field in table.schema]
+    pq.write_table(table.cast(pa.schema(fields, metadata=table.schema.metadata)), path)

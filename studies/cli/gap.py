@@ -17,28 +17,34 @@ def gap(
     model: Annotated[
         str | None, typer.Option(help="Model file, or the name of a shipped robot.")
     ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of the tests' random turns.")] = 0,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing directory.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing.")] = False,
 ) -> None:
     """Show what the simulation gets wrong: replay a measured log through the point model.
 
+    Writes gap.json, tidy tables and figures. A run's directory adds the gap in fitness.
+
     Example: realitygap gap runs/one --out gaps/one
     """
+    from models.gap import measure_gap
     from models.log import read_log
-    from models.modelfile import load_model
+    from models.modelfile import load_model, read_model_file
+    from studies.coevolution_gap import coevolution_gap, find_generations, read_generations
     from studies.output import check_free, whole_directory
 
     check_free(out, force=force)
-    point = load_model(model, sensors="ignored")
+    file = read_model_file(model)
+    point = load_model(model, sensors="declared")
     measured = read_log(log, drive=point.drive)
+    generations = find_generations(log)
+    evolved = coevolution_gap(read_generations(generations)) if generations else None
+    found = measure_gap(measured, file, point, seed=seed)
     from studies.gap_report import write_gap
 
     with whole_directory(out, force=force) as part:
-        report = write_gap(measured, point, part)
+        report = write_gap(measured, found, part, name=file.name, coevolution=evolved)
     if not quiet:
-        for row in report["horizons"]:
-            typer.echo(
-                f"{row['horizon']:>6}: {1000 * row['position_median_m']:.2f} mm, "
-                f"{row['heading_median_rad']:.4f} rad over {row['windows']} windows"
-            )
+        for line in report["summary"]:
+            typer.echo(line)
         typer.echo(f"{out / 'gap.json'}: written")

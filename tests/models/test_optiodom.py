@@ -6,7 +6,8 @@ from models.formats.optiodom import read_optiodom
 from models.horizons import horizon_errors
 from models.log import make_log
 from models.modelfile import load_model
-from models.replay import HORIZONS
+from models.noise import PoseNoise
+from models.replay import HORIZONS, replay_log
 from tests.models.small import shared_data
 
 SESSIONS = [
@@ -48,9 +49,8 @@ def dead_reckoning_errors(directory, seconds):
 def test_errors_per_horizon_agree_with_an_independent_dead_reckoning(session):
     directory = shared_data("optiodom") / session
     model = load_model("optiodom", sensors="ignored")
-    table = horizon_errors(
-        make_log(read_optiodom(directory, drive=model.drive), drive=model.drive), model
-    )
+    log = make_log(read_optiodom(directory, drive=model.drive), drive=model.drive)
+    table = horizon_errors(log, replay_log(log, model.drive), PoseNoise(1e-4, 1e-3))
     for name, seconds in HORIZONS.items():
         part = table[table["horizon"] == name]
         expected = dead_reckoning_errors(directory, seconds or 0.05)
