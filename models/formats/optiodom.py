@@ -96,14 +96,13 @@ def _numbers(path: Path, columns: int) -> Array:
 
 def _parse(lines: list[str], path: Path, columns: int) -> Array:
     """The first `columns` numbers of each line."""
+    if len(lines) < 2:
+        raise InputError(str(path), f"{len(lines)} rows", "at least two rows")
     try:
-        values = np.loadtxt(lines, delimiter=",", usecols=range(columns), ndmin=2)
+        return np.loadtxt(lines, delimiter=",", usecols=range(columns), ndmin=2)
     except (ValueError, IndexError) as error:
         said = str(error).splitlines()[0]
         raise InputError(str(path), said, f"{columns} numbers in each row") from None
-    if len(values) < 2:
-        raise InputError(str(path), f"{len(values)} rows", "at least two rows")
-    return values
 
 
 def _match(logged: list[Array], ticks: Array, path: Path) -> Array:

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from embedded_sim.errors import InputError, nearest
 from studies.cli import app
 
-FORMATS = {"optiodom": "optiodom"}
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from embedded_sim import Drive
+
+FORMATS = {"optiodom": "optiodom", "mrclam": "create", "csv": "epuck"}
 """Formats, and the robot whose geometry they are read with unless --model says otherwise."""
 
 
@@ -30,29 +35,53 @@ def import_(
 ) -> None:
     """Turn a lab's own format into the measured-log table.
 
+    optiodom: session directories. mrclam: UTIAS multi-robot directories. csv: files read by --map.
+
     Example: realitygap import optiodom 250620202104/ --out log.parquet
     """
-    if format_ not in FORMATS:
-        raise InputError("FORMAT", format_, nearest(format_, FORMATS))
-    from models.formats.optiodom import read_optiodom
     from models.log import make_log, write_table
     from models.modelfile import load_model
     from studies.output import check_free, whole_file
 
+    if format_ not in FORMATS:
+        raise InputError("FORMAT", format_, nearest(format_, FORMATS))
     check_free(out, force=force)
     if out.suffix not in (".parquet", ".csv"):
         raise InputError("--out", out.name, "a file ending in .parquet or .csv")
     drive = load_model(model or FORMATS[format_], sensors="ignored").drive
-    if len(source) != 1:
-        raise InputError("SOURCE", f"{len(source)} paths", f"one directory of {format_} data")
-    table = read_optiodom(source[0], drive=drive)
+    table = _read(format_, source, map_, drive)
     log = make_log(table, drive=drive)
     with whole_file(out, force=force) as part:
-        write_table(table, part)
+        write_table(log.frame, part)
     if not quiet:
         for note in log.notes:
             typer.echo(note)
         runs, robots = log.segments["run"].nunique(), log.segments["robot"].nunique()
-        typer.echo(
-            f"{out}: {len(table)} rows, {runs} runs, {robots} robots, a row each {log.step:g} s"
-        )
+        rows = f"{len(log.t)} rows, {runs} runs, {robots} robots, a row each {log.step:g} s"
+        typer.echo(f"{out}: {rows}")
+
+
+def _read(format_: str, source: list[Path], map_: Path | None, drive: Drive) -> pd.DataFrame:
+    """The sources, one after the other, as one table; several csv files become several runs."""
+    import pandas as pd
+
+    from models.formats.mapped import read_mapped
+    from models.formats.mrclam import read_mrclam
+    from models.formats.optiodom import read_optiodom
+
+    if (map_ is None) == (format_ == "csv"):
+        said = "a map for this csv" if map_ is None else f"none with {format_}"
+        raise InputError("--map", map_, said)
+    parts = []
+    for path in source:
+        if format_ == "optiodom":
+            part = read_optiodom(path, drive=drive)
+        elif format_ == "mrclam":
+            part = read_mrclam(path)
+        else:
+            assert map_ is not None
+            part = read_mapped(path, map_)
+            if len(source) > 1 and "run" not in part:
+                part = part.assign(run=path.stem)
+        parts.append(part)
+    return pd.concat(parts, ignore_index=True)

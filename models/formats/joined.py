@@ -1,0 +1,89 @@
+"""Commands and poses logged by different clocks or at different rates, joined on time.
+
+A row of the measured log stands at each time a command was given or, where commands come faster
+than poses, at each pose: whichever series is slower keeps its own times. Commands hold until the
+next one and are never interpolated. Poses are interpolated linearly between the two around a row
+(yaw along the shorter turn) unless these lie further apart than `BRIDGE` times their usual
+distance: there the pose is missing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from embedded_sim import InputError
+from embedded_sim.model import FloatArray
+from models.frames import wrapped
+
+BRIDGE = 2.5
+"""Usual distances between poses that are bridged by interpolation: one lost pose. Our choice."""
+
+
+def join(
+    command_t: FloatArray, commands: FloatArray, pose_t: FloatArray, poses: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Rows (t, commands, poses) of one robot on common times.
+
+    Args:
+        command_t: (commands,) s, increasing.
+        commands: (commands, 2).
+        pose_t: (poses,) s, increasing.
+        poses: (poses, 3).
+
+    Raises:
+        InputError: the two series do not overlap in time.
+    """
+    low, high = max(command_t[0], pose_t[0]), min(command_t[-1], pose_t[-1])
+    if not low < high:
+        raise InputError(
+            "time",
+            f"commands from {command_t[0]:g} to {command_t[-1]:g} s, poses from {pose_t[0]:g} to "
+            f"{pose_t[-1]:g} s",
+            "two series of one clock that overlap",
+        )
+    if np.median(np.diff(pose_t)) > np.median(np.diff(command_t)):
+        t = _changes(command_t, commands, pose_t)
+    else:
+        t = command_t
+    t = t[(t >= low) & (t <= high)]
+    held = np.searchsorted(command_t, t, side="right") - 1
+    return t, commands[held], _interpolated(pose_t, poses, t)
+
+
+def latest(t: FloatArray, *columns: FloatArray) -> tuple[FloatArray, ...]:
+    """A series with increasing time: of rows with one time the last is kept."""
+    keep = np.append(np.diff(t) > 0, True)
+    return (t[keep], *(column[keep] for column in columns))
+
+
+def _changes(command_t: FloatArray, commands: FloatArray, pose_t: FloatArray) -> FloatArray:
+    """Times of poses, and of the commands that change something: a held command needs no row."""
+    changed = np.ones(len(command_t), dtype=bool)
+    changed[1:] = (np.diff(commands, axis=0) != 0).any(axis=1)
+    times: FloatArray = np.union1d(pose_t, command_t[changed])
+    return times
+
+
+def _interpolated(pose_t: FloatArray, poses: FloatArray, t: FloatArray) -> FloatArray:
+    """(rows, 3) poses at other times, NaN where the poses around are too far apart."""
+    after = np.clip(np.searchsorted(pose_t, t), 1, len(pose_t) - 1)
+    before = after - 1
+    apart = pose_t[after] - pose_t[before]
+    weight = np.clip((t - pose_t[before]) / apart, 0.0, 1.0)[:, None]
+    change = poses[after] - poses[before]
+    change[:, 2] = wrapped(change[:, 2])
+    result = poses[before] + weight * change
+    exact = (t == pose_t[before]) | (t == pose_t[after])
+    far = (apart > BRIDGE * np.median(np.diff(pose_t))) & ~exact
+    result[far] = np.nan
+    return result
+
+
+def series(
+    table: pd.DataFrame, time: str, names: list[str]
+) -> tuple[FloatArray, npt.NDArray[np.float64]]:
+    """A table's time and columns as arrays, in order of time, rows with holes left out."""
+    usable = table[[time, *names]].dropna().sort_values(time, kind="stable")
+    return usable[time].to_numpy(dtype=float), usable[names].to_numpy(dtype=float)
