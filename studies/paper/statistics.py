@@ -85,10 +85,11 @@ def wilcoxon(differences: Array) -> float:
 
 
 def brown_forsythe(wide: Array, narrow: Array) -> float:
-    """p of `wide` being more spread than `narrow` by chance, one-sided."""
-    if not _usable(wide, narrow) or not spread(wide) + spread(narrow):
+    """p of `wide` being more spread than `narrow` by chance, one-sided; two runs have no spread."""
+    if not _usable(wide, narrow) or min(len(wide), len(narrow)) < 3:
         return float("nan")
-    two_sided = float(stats.levene(wide, narrow, center="median").pvalue)
+    with np.errstate(divide="ignore", invalid="ignore"):  # NaN where nothing is spread
+        two_sided = float(stats.levene(wide, narrow, center="median").pvalue)
     return two_sided / 2.0 if spread(wide) > spread(narrow) else 1.0 - two_sided / 2.0
 
 
