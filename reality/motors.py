@@ -2,7 +2,8 @@
 
 Robots with nothing hidden in this chain get their commands as they are, once per control step. For
 the others a joint's target in a physics step is the mean, over that step, of the speed that the
-chain asks for: the motor turns as far as it should however a delay falls between two steps.
+chain asks for, and a command that arrives within the step has the motor's torque for what is left
+of it: wheels turn as far as they should however a delay falls between two steps.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ class Motors:
         )
         self._chained = np.flatnonzero(touched)
         self._plain = ~touched
+        self._share: FloatArray = np.ones(len(self._chained))
         self.chain = Chain(hardware, self._chained) if touched.any() else None
 
     def command(self, engine: Engine, commands: FloatArray) -> None:
@@ -54,13 +56,13 @@ class Motors:
         """Set the joints' targets for one physics step of robots whose chain is not plain."""
         if self.chain is None:
             return
-        targets = self.chain.targets(substep)
-        changed = (targets != self._driven[self._chained]).any(axis=1)
-        self._driven[self._chained] = targets
+        targets, share = self.chain.targets(substep)
+        changed = (targets != self._driven[self._chained]).any(axis=1) | (share != self._share)
+        self._driven[self._chained], self._share = targets, share
         for n in np.flatnonzero(changed).tolist():
             robot = int(self._chained[n])
             left, right = targets[n].tolist()
-            engine.drive(robot, left, right, self._torque[robot])
+            engine.drive(robot, left, right, share[n] * self._torque[robot])
 
 
 class Chain:
@@ -92,6 +94,7 @@ class Chain:
         """(substeps, 2, n, 1): share of the way to the target that is still to go after a part."""
         self._slip = lag * (1.0 - self._left)
         """(substeps, 2, n, 1) s: part of that way not turned meanwhile."""
+        self._quick = hardware.motor_lag[robots] == 0.0
         self._queue: FloatArray = np.zeros((1 - int(self._slot.min()), len(robots), 2))
         self._newest = -1
         self._speed: FloatArray = np.zeros((len(robots), 2))
@@ -101,17 +104,20 @@ class Chain:
         self._newest += 1
         self._queue[self._newest % len(self._queue)] = commands
 
-    def targets(self, substep: int) -> FloatArray:
-        """Mean speeds (n, 2) in rad/s that the chain asks for in a physics step."""
+    def targets(self, substep: int) -> tuple[FloatArray, FloatArray]:
+        """Mean speeds (n, 2) in rad/s asked for in a physics step, and share (n,) of the torque."""
         now = self._newest * k.CONTROL_STEP + substep * k.PHYSICS_STEP
         turned: FloatArray = np.zeros_like(self._speed)
-        for part in range(2):
-            at = (self._newest + self._slot[substep, part]) % len(self._queue)
-            asked = self._answer(self._queue[at, self._rows], now)
+        at = (self._newest + self._slot[substep]) % len(self._queue)
+        older, newer = self._queue[at, self._rows]
+        switched = (older != newer).any(axis=1) & self._quick & (self._span[substep, 1, :, 0] > 0.0)
+        for part, command in enumerate((older, newer)):
+            asked = self._answer(command, now)
             away = self._speed - asked
             turned += asked * self._span[substep, part] + away * self._slip[substep, part]
             self._speed = asked + away * self._left[substep, part]
-        return turned / k.PHYSICS_STEP
+        share = np.where(switched, self._span[substep, 1, :, 0] / k.PHYSICS_STEP, 1.0)
+        return turned / k.PHYSICS_STEP, share
 
     def _answer(self, command: FloatArray, now: float) -> FloatArray:
         """Speeds (n, 2) that motors without inertia would reach at a time (s)."""

@@ -174,7 +174,8 @@ class Tracker:
         self._random, self._noise = random, np.zeros((robots, 3))
         self._scale = np.array([k.TRACKER_NOISE, k.TRACKER_NOISE, k.TRACKER_YAW_NOISE])
         self._nest, self._robots = hardware.nest, robots
-        self._markers = hardware.markers if hardware.markers.any() else None
+        self._marked = np.flatnonzero(hardware.markers.any(axis=1))
+        self._markers = hardware.markers[self._marked]
 
     def place_food(self, item: int, random: np.random.Generator) -> None:
         """Put an item anywhere a robot's centre can reach, outside the nest."""
@@ -189,8 +190,9 @@ class Tracker:
 
     def measure(self, poses: FloatArray) -> None:
         """Fill the measured poses (yaw in [-pi, pi) but for noise) from those of the robots."""
-        if self._markers is not None:
-            poses = _seen(poses, self._markers)
+        if len(self._marked):
+            poses = poses.copy()
+            poses[self._marked] = _seen(poses[self._marked], self._markers)
         self._random.standard_normal(out=self._noise)
         np.multiply(self._noise, self._scale, out=self._noise)
         np.add(poses, self._noise, out=self.poses)

@@ -84,7 +84,7 @@ class World:
 
     def sense(self) -> None:
         """Fill `infrared.counts`, `light.counts` and the tracker's measured poses."""
-        self._locate()
+        self._locate(self.poses)
         if not np.isfinite(self.poses).all():
             robot = int(np.argmin(np.isfinite(self.poses).all(axis=1)))
             raise ArithmeticError(f"the physics diverged at step {self.time_step}, robot {robot}")
@@ -110,14 +110,14 @@ class World:
                 self.motors.drive(self.engine, substep)
                 self.engine.advance(1)
                 if self._past is not None:
-                    self._locate()
-                    self._past.add(self.poses)
+                    self._past.add(self._locate(np.empty_like(self.poses)))
         self.time_step += 1
 
-    def _locate(self) -> None:
-        """Fill the robots' true poses."""
+    def _locate(self, out: FloatArray) -> FloatArray:
+        """Fill `out` (robots, 3) with where the robots truly are."""
         self.engine.centres_of_mass(self._raw)
-        lib.rgo_poses(self.robots, doubles(self._raw), doubles(self._centre), doubles(self.poses))
+        lib.rgo_poses(self.robots, doubles(self._raw), doubles(self._centre), doubles(out))
+        return out
 
 
 def scatter(robots: int, random: np.random.Generator) -> FloatArray:
