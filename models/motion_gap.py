@@ -30,6 +30,8 @@ MOTION_CONDITIONS = (
     "speed",
     "turn",
     "change",
+    "speed_change",
+    "turn_change",
     "heading",
     "radius",
     "sector",
@@ -145,13 +147,20 @@ def _unshrunk(
 def window_conditions(
     log: MeasuredLog, table: pd.DataFrame, pairs: Windows, middle: npt.NDArray[np.int64]
 ) -> pd.DataFrame:
-    """(windows,) conditions: commands averaged over the window, the rest at its middle row."""
+    """(windows,) conditions: commands averaged over the window, the rest at its middle row.
+
+    `speed_change` and `turn_change` are the last command before a window's end less the last one
+    before its start: what latency and slow motors lose or gain over it.
+    """
     result = table.iloc[middle].reset_index(drop=True)
     held = np.append(np.diff(log.t), 0.0)
     took = log.t[pairs.last] - log.t[pairs.first]
     for name in ("speed", "turn"):
         integral = np.concatenate([[0.0], np.cumsum(table[name].to_numpy() * held)])
         result[name] = (integral[pairs.last] - integral[pairs.first]) / took
+        before = np.maximum(pairs.first - 1, log.start[:-1][log.segment[pairs.first]])
+        last = table[name].to_numpy()
+        result[f"{name}_change"] = last[pairs.last - 1] - last[before]
     changed = np.concatenate([[0.0], np.cumsum(table["change"].to_numpy())])
     result["change"] = changed[pairs.last] - changed[pairs.first]
     return result

@@ -168,6 +168,7 @@ def _tables(log: MeasuredLog, gap: Gap) -> list[tuple[str, pd.DataFrame, dict[st
     if parts:
         named = {f"error_{name}": unit for name, unit in UNITS.items()}
         named |= {"t": "s", "time": "s", "speed": "m/s", "turn": "rad/s", "change": "rad/s"}
+        named |= {"speed_change": "m/s", "turn_change": "rad/s"}
         named |= dict.fromkeys(("x", "y", "radius", "near_wall", "near_robot"), "m")
         named |= dict.fromkeys(("heading", "sector"), "rad")
         tables.append(("windows", pd.concat(parts, ignore_index=True), named))

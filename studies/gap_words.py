@@ -36,6 +36,8 @@ WORDS = {
     "lamp_bearing": "direction of the lamp",
     "speed": "commanded speed",
     "turn": "commanded turn",
+    "speed_change": "change of commanded speed",
+    "turn_change": "change of commanded turn",
 }
 
 

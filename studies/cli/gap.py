@@ -8,24 +8,25 @@ from typing import Annotated
 import typer
 
 from studies.cli import app
+from studies.cli.options import Force, Out, Quiet
+
+EXAMPLE = """Example: realitygap gap out/run1 --out out/gap1"""
 
 
-@app.command()
+@app.command(epilog=EXAMPLE)
 def gap(
     log: Annotated[Path, typer.Argument(help="Measured log, or the directory of a run.")],
-    out: Annotated[Path, typer.Option(help="Directory to write.")],
+    out: Out,
     model: Annotated[
         str | None, typer.Option(help="Model file, or the name of a shipped robot.")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the tests' random turns.")] = 0,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing directory.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing.")] = False,
+    force: Force = False,
+    quiet: Quiet = False,
 ) -> None:
     """Show what the simulation gets wrong: replay a measured log through the point model.
 
     Writes gap.json, tidy tables and figures. A run's directory adds the gap in fitness.
-
-    Example: realitygap gap runs/one --out gaps/one
     """
     from models.gap import measure_gap
     from models.log import read_log

@@ -9,6 +9,7 @@ import typer
 
 from embedded_sim.errors import InputError, nearest
 from studies.cli import app
+from studies.cli.options import Force, Out, Quiet
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -19,25 +20,27 @@ FORMATS = {"optiodom": "optiodom", "mrclam": "create", "csv": "epuck"}
 """Formats, and the robot whose geometry they are read with unless --model says otherwise."""
 
 
-@app.command(name="import")
+EXAMPLE = """Example: realitygap import optiodom 250620202104/ --out log.parquet"""
+
+
+@app.command(name="import", epilog=EXAMPLE)
 def import_(
     format_: Annotated[str, typer.Argument(metavar="FORMAT", help=", ".join(FORMATS) + ".")],
     source: Annotated[list[Path], typer.Argument(help="Directory or files of that format.")],
-    out: Annotated[Path, typer.Option(help="Log to write: .parquet or .csv.")],
+    out: Out,
     model: Annotated[
         str | None, typer.Option(help="Model file, or the name of a shipped robot.")
     ] = None,
     map_: Annotated[
         Path | None, typer.Option("--map", help="Column names and units of a csv (TOML).")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing log.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing.")] = False,
+    force: Force = False,
+    quiet: Quiet = False,
 ) -> None:
     """Turn a lab's own format into the measured-log table.
 
     optiodom: session directories. mrclam: UTIAS multi-robot directories. csv: files read by --map.
-
-    Example: realitygap import optiodom 250620202104/ --out log.parquet
+    The log is written as .parquet or .csv.
     """
     from models.log import make_log, write_table
     from models.modelfile import load_model
