@@ -26,6 +26,17 @@ def check_free(out: Path, *, force: bool) -> None:
         raise InputError("--out", out, f"a path in a writable directory ({existing} is not)")
 
 
+def _parent(out: Path) -> Path:
+    """The directory an output goes into, made if it can be."""
+    parent = out.absolute().parent
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        expected = f"a path in a writable directory ({error.strerror})"
+        raise InputError("--out", out, expected) from None
+    return parent
+
+
 @contextmanager
 def whole_directory(out: Path, *, force: bool = False) -> Iterator[Path]:
     """A temporary directory that becomes `out` if the block ends well, and vanishes if not.
@@ -34,8 +45,7 @@ def whole_directory(out: Path, *, force: bool = False) -> Iterator[Path]:
     process leaves only that name behind.
     """
     check_free(out, force=force)
-    out.absolute().parent.mkdir(parents=True, exist_ok=True)
-    part = Path(tempfile.mkdtemp(prefix=f".{out.name}.part-", dir=out.absolute().parent))
+    part = Path(tempfile.mkdtemp(prefix=f".{out.name}.part-", dir=_parent(out)))
     try:
         part.chmod(0o755)
         yield part
@@ -56,9 +66,8 @@ def whole_file(out: Path, *, force: bool = False) -> Iterator[Path]:
     check_free(out, force=force)
     if out.is_dir():
         raise InputError("--out", out, "a file, not a directory")
-    out.absolute().parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(
-        prefix=f".{out.stem}.part-", suffix=out.suffix, dir=out.absolute().parent
+        prefix=f".{out.stem}.part-", suffix=out.suffix, dir=_parent(out)
     )
     os.close(handle)
     part = Path(name)

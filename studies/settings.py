@@ -20,9 +20,9 @@ def run_config(**values: Any) -> RunConfig:
         InputError: the first value that cannot be used.
     """
     for field, words in _WORDS.items():
-        if values[field] not in words:
+        if values.get(field, words[0]) not in words:
             raise InputError(f"--{field}", repr(values[field]), nearest(values[field], words))
-    reading_by_name(values["reading"])
+    reading_by_name(values.get("reading", "default"))
     try:
         return RunConfig(**values)
     except ValidationError as error:

@@ -1,0 +1,237 @@
+"""`realitygap run`: the files, their repeatability, and what happens when something goes wrong."""
+
+from __future__ import annotations
+
+import filecmp
+import json
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+
+from reality import constants as k
+from studies.experiment import RunConfig, simulate
+from tests.helpers import COMMAND, ROOT, realitygap
+
+TABLES = ("samples.parquet", "generations.parquet", "deposits.parquet")
+
+
+def run(out: Path, effects: tuple[str, ...] = (), **config: object) -> Path:
+    out.mkdir()
+    simulate(RunConfig(**{"minutes": 0.5, "robots": 4, "seed": 3, **config}), effects, out)
+    return out
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A co-evolution of 2.5 minutes with six robots: two whole generations each."""
+    return run(tmp_path_factory.mktemp("runs") / "run", minutes=2.5, robots=6, seed=1)
+
+
+def test_a_run_writes_the_tables_the_contract_names(finished: Path) -> None:
+    samples = pd.read_parquet(finished / "samples.parquet")
+    generations = pd.read_parquet(finished / "generations.parquet")
+    deposits = pd.read_parquet(finished / "deposits.parquet")
+    assert list(generations.columns) == [
+        "run",
+        "robot",
+        "generation",
+        "t_start",
+        "t_end",
+        "case",
+        "s0",
+        "s0_third",
+        "g0",
+        "g1",
+        "fitness_sim",
+        "fitness_real",
+        "deposits",
+        "heard",
+    ]
+    assert list(deposits.columns) == ["run", "robot", "t", "t_pickup", "generation"]
+    needed = {"run", "robot", "t", "x", "y", "yaw", "cmd_left", "cmd_right", "food", "nest", "case"}
+    assert needed | {f"{kind}{i}" for kind in ("ps", "ls") for i in range(8)} <= set(samples)
+    assert len(samples) == 6 * 2.5 * 60 / 0.04
+    assert samples.groupby("robot")["t"].apply(lambda t: np.allclose(np.diff(t), 0.04)).all()
+    assert set(samples["case"]) == {"light-at-nest"}
+    assert pq.read_schema(finished / "samples.parquet").field("yaw").metadata == {b"unit": b"rad"}
+
+
+def test_fitness_in_reality_follows_from_the_deposits_alone(finished: Path) -> None:
+    generations = pd.read_parquet(finished / "generations.parquet")
+    deposits = pd.read_parquet(finished / "deposits.parquet")
+    assert len(deposits) > 0
+    assert generations["deposits"].sum() == len(deposits)
+    for row in generations.itertuples():
+        own = deposits[(deposits.robot == row.robot) & (deposits.generation == row.generation)]
+        assert own["t"].between(row.t_start, row.t_end).all()
+        expected = (60.0 - (own["t"] - row.t_start)).sum()
+        assert row.fitness_real == pytest.approx(expected)
+    assert (deposits["t_pickup"] <= deposits["t"]).all()
+
+
+def test_the_virtual_sensor_agrees_with_the_measured_poses(finished: Path) -> None:
+    samples = pd.read_parquet(finished / "samples.parquet")
+    on_nest = np.hypot(samples["x"] - k.NEST[0], samples["y"] - k.NEST[1]) < k.NEST[2]
+    assert (on_nest == samples["nest"]).all()
+
+
+def test_robots_start_asynchronously_and_generations_last_60_s(finished: Path) -> None:
+    generations = pd.read_parquet(finished / "generations.parquet")
+    first = generations[generations["generation"] == 0]
+    assert first["t_start"].nunique() == 6
+    assert first["t_start"].max() <= k.START_WITHIN + 0.04
+    whole = generations[generations["t_end"] < 149.9]
+    assert whole["t_end"].to_numpy() - whole["t_start"].to_numpy() == pytest.approx(60.0)
+
+
+def test_nothing_that_a_diagnosis_reads_tells_what_was_hidden(tmp_path: Path) -> None:
+    hidden = run(tmp_path / "a", ("wheel_radius_mismatch:ratio=1.2,robot=1",))
+    for path in hidden.iterdir():
+        if path.name != "truth.json":
+            content = path.read_bytes()
+            assert b"mismatch" not in content
+            assert b"1.2" not in content or path.suffix == ".parquet"
+    truth = json.loads((hidden / "truth.json").read_text())
+    assert truth == {
+        "effects": [{"name": "wheel_radius_mismatch", "robots": [1], "parameters": {"ratio": 1.2}}]
+    }
+
+
+def test_the_same_configuration_gives_the_same_bytes(tmp_path: Path) -> None:
+    first, second = run(tmp_path / "a", minutes=1.1), run(tmp_path / "b", minutes=1.1)
+    for name in TABLES:
+        assert filecmp.cmp(first / name, second / name, shallow=False)
+
+
+def test_another_seed_gives_another_run(tmp_path: Path) -> None:
+    first, second = run(tmp_path / "a"), run(tmp_path / "b", seed=4)
+    assert not filecmp.cmp(first / "samples.parquet", second / "samples.parquet", shallow=False)
+
+
+@pytest.mark.parametrize(("robots", "minutes"), [(1, 0.1), (2, 0.5), (40, 0.1)])
+def test_any_number_of_robots_runs(tmp_path: Path, robots: int, minutes: float) -> None:
+    out = run(tmp_path / "a", robots=robots, minutes=minutes)
+    samples = pd.read_parquet(out / "samples.parquet")
+    assert samples["robot"].nunique() == robots
+
+
+@pytest.mark.parametrize("controller", ["search", "positive-phototaxis", "negative-phototaxis"])
+def test_fixed_controllers_do_not_evolve(tmp_path: Path, controller: str) -> None:
+    out = run(tmp_path / "a", controller=controller, minutes=1.2)
+    generations = pd.read_parquet(out / "generations.parquet")
+    assert generations[["s0", "s0_third", "fitness_sim"]].isna().all(axis=None)
+    assert generations["g0"].nunique() == 1
+
+
+def test_the_lamp_moves_half_way(tmp_path: Path) -> None:
+    out = run(tmp_path / "a", case="at-nest-to-opposite")
+    cases = pd.read_parquet(out / "samples.parquet").groupby("case", observed=True)["t"]
+    assert cases.max()["light-at-nest"] == pytest.approx(15.0 - 0.04)
+    assert cases.min()["light-opposite-nest"] == pytest.approx(15.0)
+
+
+def test_a_hidden_effect_changes_what_is_measured(tmp_path: Path) -> None:
+    plain, dead = run(tmp_path / "a"), run(tmp_path / "b", ("ir_dead_sensor:sensor=2",))
+    assert pd.read_parquet(plain / "samples.parquet")["ps2"].max() > 0
+    assert pd.read_parquet(dead / "samples.parquet")["ps2"].max() == 0
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--case", "bright"],
+        ["--controller", "clever"],
+        ["--robots", "0"],
+        ["--robots", "ten"],
+        ["--minutes", "-1"],
+        ["--minutes", "nan"],
+        ["--seed", "-1"],
+        ["--reading", "between-the-lines"],
+        ["--trials", "0"],
+        ["--genome", "dna"],
+        ["--effect", "gremlins:count=3"],
+        ["--model", "nowhere.toml"],
+        ["--colour", "red"],
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2_and_leaves_nothing(
+    tmp_path: Path, words: list[str]
+) -> None:
+    done = realitygap("run", "--minutes", "0.1", "--out", tmp_path / "out", *words)
+    assert done.returncode == 2
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert done.stderr.startswith("realitygap: ")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_broken_model_file_is_refused(tmp_path: Path) -> None:
+    model = tmp_path / "model.toml"
+    model.write_text("[robot\nwheel_radius = ")
+    done = realitygap("run", "--minutes", "0.1", "--model", model, "--out", tmp_path / "out")
+    assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1)
+    assert [path.name for path in tmp_path.iterdir()] == ["model.toml"]
+
+
+def test_existing_and_unwritable_output_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "keep").write_text("me")
+    (tmp_path / "file").write_text("me too")
+    for out in ("there", "file", "file/inside"):
+        done = realitygap("run", "--minutes", "0.1", "--out", tmp_path / out)
+        assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1)
+    assert (tmp_path / "there" / "keep").read_text() == "me"
+    assert realitygap("run", "--out", "/proc/nothing/here").returncode == 2
+
+
+def test_force_replaces_what_is_there(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "old").write_text("")
+    done = realitygap(
+        "run", "--minutes", "0.05", "--robots", "2", "--out", tmp_path / "there", "--force"
+    )
+    assert done.returncode == 0, done.stderr
+    assert {path.name for path in (tmp_path / "there").iterdir()} == {
+        *TABLES,
+        "run.json",
+        "truth.json",
+    }
+    assert [path.name for path in tmp_path.iterdir()] == ["there"]
+
+
+@pytest.mark.parametrize(
+    ("sent", "code"), [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)]
+)
+def test_an_interrupted_run_leaves_no_table_under_its_final_name(
+    tmp_path: Path, sent: signal.Signals, code: int
+) -> None:
+    words = ["run", "--minutes", "60", "--seed", "1", "--out", str(tmp_path / "out")]
+    process = subprocess.Popen(
+        [*COMMAND, *words],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stderr=subprocess.DEVNULL,
+    )
+    deadline = time.monotonic() + 60.0
+    while not list(tmp_path.glob(".out.part-*/samples.parquet")):
+        assert time.monotonic() < deadline
+        assert process.poll() is None
+        time.sleep(0.05)
+    process.send_signal(sent)
+    assert process.wait(timeout=30) == code
+    assert not (tmp_path / "out").exists()
+    if sent == signal.SIGINT:
+        assert not list(tmp_path.iterdir())  # and cleaned up after itself
+
+
+def test_help_shows_an_example_for_every_command() -> None:
+    for command in ("run", "capture", "demo"):
+        done = realitygap(command, "--help")
+        assert done.returncode == 0
+        assert "Example:" in done.stdout
