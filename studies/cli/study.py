@@ -50,6 +50,26 @@ def paper(
     _study("paper", out, runs, minutes, robots, seed, jobs, scheduler, quiet)
 
 
+@study.command(epilog="Example: realitygap study readings --runs 2 --minutes 10 --out out/readings")
+def readings(
+    out: Out,
+    runs: Annotated[int, typer.Option(help="Runs of each condition and variant.")] = 4,
+    minutes: Annotated[float, typer.Option(help="Simulated minutes of each run.")] = 30.0,
+    robots: Robots = 10,
+    seed: Seed = 0,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+    quiet: Quiet = False,
+) -> None:
+    """Read the paper otherwise: which claims depend on the reading, on the lamp, on selection.
+
+    Mutation s.d. 2, 0.2, 0.02 with clamped, wrapped or reflected genes; the readings literal and
+    neutral; lamps whose contrast fades at 0.6, 1 and 2 m. Writes readings.csv, dependence.csv,
+    study.parquet, generations.parquet, figures/ and report.html; resumes like `study paper`.
+    """
+    _study("readings", out, runs, minutes, robots, seed, jobs, scheduler, quiet)
+
+
 def _study(
     name: str,
     out: Path,

@@ -37,8 +37,8 @@ def write_report(directory: StudyDirectory) -> pd.DataFrame:
     gaps = gap.decompose(tables.generations, fresh, study.minutes)
     claims = weigh_claims(tables, study.seed)
     runs = tables.runs.merge(_gap_of_runs(gaps), on=["condition", "variant", "run"], how="left")
-    _parquet(runs, out / "study.parquet")
-    _parquet(tables.generations, out / "generations.parquet")
+    write_parquet(runs, out / "study.parquet")
+    write_parquet(tables.generations, out / "generations.parquet")
     table = gap.gap_table(gaps)
     controllers = gap.controllers_table(fresh)
     for name, frame in (("claims", claims), ("gap", table), ("controllers", controllers)):
@@ -188,6 +188,7 @@ def _gap_view(table: pd.DataFrame) -> pd.DataFrame:
     return view.astype({"generations": object})
 
 
-def _parquet(frame: pd.DataFrame, path: Path) -> None:
+def write_parquet(frame: pd.DataFrame, path: Path) -> None:
+    """A table for pandas, whole or not at all."""
     with whole_file(path, force=True) as part:
         frame.to_parquet(part, index=False)

@@ -8,6 +8,8 @@ from studies.execution import Workers
 from studies.paper.conditions import PAPER, StudyConfig, plan
 from studies.paper.directory import StudyDirectory
 from studies.paper.execution import execute
+from studies.paper.readings import reading_conditions
+from studies.paper.readings_report import write_readings
 from studies.paper.report import write_report
 
 
@@ -19,7 +21,11 @@ def run_study(study: StudyConfig, out: Path, workers: Workers, *, quiet: bool = 
         RunsFailed: some runs raised; the others are kept.
         WorkersLost: workers keep dying.
     """
-    runs = plan(study, PAPER)
+    readings = study.study == "readings"
+    runs = plan(study, reading_conditions() if readings else PAPER)
     with StudyDirectory(out, study, runs).held() as directory:
         execute(directory, workers, quiet=quiet)
-        write_report(directory)
+        if readings:
+            write_readings(directory)
+        else:
+            write_report(directory)

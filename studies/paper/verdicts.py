@@ -24,12 +24,18 @@ def weigh_claims(tables: StudyTables, seed: int) -> pd.DataFrame:
         tables: Of one study and one variant.
         seed: The study's; every claim resamples from a stream of its own.
     """
+    evidence = weigh(tables, seed)
+    adjusted = holm([found.p for found in evidence])
+    return pd.DataFrame([_row(*row) for row in zip(CLAIMS, evidence, adjusted, strict=True)])
+
+
+def weigh(tables: StudyTables, seed: int) -> list[Evidence]:
+    """The evidence for each of `CLAIMS`."""
     evidence = []
     for claim in CLAIMS:
         stream = np.random.SeedSequence(seed, spawn_key=(zlib.crc32(claim.key.encode()),))
         evidence.append(claim.weigh(tables, np.random.default_rng(stream)))
-    adjusted = holm([found.p for found in evidence])
-    return pd.DataFrame([_row(*row) for row in zip(CLAIMS, evidence, adjusted, strict=True)])
+    return evidence
 
 
 def _row(claim: Claim, evidence: Evidence, p_holm: float) -> dict[str, object]:

@@ -14,7 +14,7 @@ import pytest
 
 from embedded_sim.errors import InputError
 from studies.execution import Workers, WorkersLost, completed
-from studies.paper.conditions import PAPER, StudyConfig, plan
+from studies.paper.conditions import PAPER, PlannedRun, StudyConfig, plan
 from studies.paper.directory import StudyDirectory
 from studies.paper.execution import RunsFailed, execute
 from tests.studies.small_study import TINY, WORDS, results
@@ -88,6 +88,31 @@ def test_a_killed_study_repeats_only_what_was_unfinished(local: Path, tmp_path: 
     assert {path: path.stat().st_mtime_ns for path in finished} == finished
     tables = {name: digest for name, digest in results(out).items() if name.startswith("runs")}
     assert tables == {n: d for n, d in results(local).items() if n.startswith("runs")}
+
+
+def test_an_interrupted_study_stops_its_workers_keeps_what_is_whole_and_exits_130(
+    tmp_path: Path,
+) -> None:
+    out = tmp_path / "study"
+    study = subprocess.Popen(
+        [*CLI, *WORDS[:2], "--minutes", "2", *WORDS[4:], "--jobs", "1", "--quiet", "--out", out],
+        stderr=subprocess.PIPE,
+    )
+    _until(lambda: (out / "runs").is_dir() and len(list((out / "runs").glob("[!.]*"))) >= 1)
+    workers = _children(study.pid)
+    study.send_signal(signal.SIGINT)
+    _, said = study.communicate(timeout=30)
+    assert study.returncode == 130
+    assert b"Traceback" not in said
+    _until(lambda: not _alive(workers))
+    with StudyDirectory(out, *_planned(minutes=2.0)).held() as directory:
+        assert 0 < len(directory.pending()) < len(PAPER)
+        assert directory.sessions[-1]["runs"] >= 1
+
+
+def _planned(minutes: float) -> tuple[StudyConfig, tuple[PlannedRun, ...]]:
+    study = TINY.model_copy(update={"minutes": minutes})
+    return study, plan(study, PAPER)
 
 
 def test_a_killed_worker_is_replaced_and_its_run_repeated(

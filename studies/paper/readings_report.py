@@ -1,0 +1,104 @@
+"""Everything a finished study of readings is made into."""
+
+from __future__ import annotations
+
+import pandas as pd
+import seaborn as sns
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+
+from studies.output import whole_file
+from studies.paper import figures
+from studies.paper.conditions import LABELS
+from studies.paper.directory import StudyDirectory
+from studies.paper.page import Section, Table, number, write_page
+from studies.paper.readings import VARIANTS, depends, mean_food, weigh_readings
+from studies.paper.report import CAPTIONS, draw, settings_sections, write_csv, write_parquet
+from studies.paper.tables import collect
+
+CAPTIONS |= {
+    "readings-claims": "Every claim (rows) in every variant (columns): green where its 95 % "
+    "interval lies wholly where the claim is true, red where it is false, grey where it is open.",
+    "readings-food": "Mean items per run, conditions by variants; empty where a fixed controller "
+    "cannot differ from the default.",
+}
+STANDS = ("fails", "open", "holds")
+COLORS = ("#d98880", "#d5d8dc", "#82c99b")
+TEXT = (
+    "Variants: sdS-RULE has S0 mutated with standard deviation S and genes out of range treated "
+    "by RULE; default is sd0.2-clamp; literal broadcasts the S0 that has already moved on, with "
+    "the printed standard deviation; neutral draws S0's parent regardless of fitness; lampR has a "
+    "lamp whose contrast fades at R metres, the default at 0.8.",
+    "A claim depends on the reading, or on the lamp, if it holds in one variant and fails in "
+    "another. One that holds in the neutral variant too needs no selection and proves nothing.",
+)
+
+
+def write_readings(directory: StudyDirectory) -> pd.DataFrame:
+    """Make everything from the runs of a finished study; returns what the claims depend on."""
+    out, study = directory.out, directory.study
+    tables = collect(directory)
+    weighed = weigh_readings(tables, study.seed)
+    dependence, food = depends(weighed), mean_food(tables)
+    write_parquet(tables.runs, out / "study.parquet")
+    write_parquet(tables.generations, out / "generations.parquet")
+    write_csv(weighed, out / "readings.csv")
+    write_csv(dependence, out / "dependence.csv")
+    figures.style()
+    (out / "figures").mkdir(exist_ok=True)
+    drawn = [
+        draw(_claims(weighed), out / "figures" / "readings-claims"),
+        draw(_food(food), out / "figures" / "readings-food"),
+    ]
+    lead = (
+        f"{len(directory.runs)} runs of {study.minutes:g} minutes with {study.robots} robots, "
+        f"seed {study.seed}: which claims of section IV depend on how its text is read, which on "
+        "the lamp, and which hold without any selection."
+    )
+    with whole_file(out / "report.html", force=True) as part:
+        write_page(
+            part,
+            "Readings of the paper",
+            lead,
+            [
+                Section("What the claims depend on", TEXT, tables=[Table.of(dependence)]),
+                Section("Claims by variant", figures=drawn[:1]),
+                Section("Food by variant", figures=drawn[1:]),
+                *settings_sections(directory),
+            ],
+        )
+    return dependence
+
+
+def _claims(weighed: pd.DataFrame) -> Figure:
+    """A mosaic of what stands where, the effects written in it."""
+    claims = list(dict.fromkeys(weighed["claim"]))
+    level = weighed.assign(level=weighed["stands"].map({name: i for i, name in enumerate(STANDS)}))
+    levels, effects = (
+        level.pivot(index="claim", columns="variant", values=values).reindex(
+            index=claims, columns=list(VARIANTS)
+        )
+        for values in ("level", "effect")
+    )
+    figure = Figure(figsize=(13, 0.32 * len(claims) + 2.0), layout="constrained")
+    axes = figure.subplots()
+    sns.heatmap(
+        levels, cmap=ListedColormap(COLORS), vmin=-0.5, vmax=2.5, annot=effects.map(number),
+        fmt="", annot_kws={"size": 7, "color": "#222222"}, linewidths=0.5, cbar=False, ax=axes,
+    )  # fmt: skip
+    axes.set(xlabel="", ylabel="")
+    axes.tick_params(axis="x", rotation=45)
+    axes.set_title("Claims by variant (numbers: effects; green holds, red fails, grey open)")
+    return figure
+
+
+def _food(food: pd.DataFrame) -> Figure:
+    figure = Figure(figsize=(13, 4.4), layout="constrained")
+    axes = figure.subplots()
+    sns.heatmap(
+        food.rename(index=LABELS), annot=True, fmt=".0f", cmap="viridis", linewidths=0.5, ax=axes
+    )
+    axes.set(xlabel="", ylabel="")
+    axes.tick_params(axis="x", rotation=45)
+    axes.set_title("Mean items per run")
+    return figure
