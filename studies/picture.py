@@ -82,7 +82,7 @@ def _belief(axes: Any, generations: pd.DataFrame) -> None:
     shares = (
         known.groupby("generation")["s0_third"]
         .value_counts(normalize=True)
-        .unstack(fill_value=0.0)
+        .unstack(fill_value=0)
         .reindex(columns=range(3), fill_value=0.0)
     )
     axes.stackplot(

@@ -30,7 +30,7 @@ for _name in COMMANDS:
 
 
 def main() -> None:
-    """Run a command: bad input is one line and exit code 2, an interrupt is exit code 130."""
+    """Run a command: bad input is one line and exit code 2, divergence 1, an interrupt 130."""
     try:
         sys.exit(app(standalone_mode=False))
     except InputError as error:
@@ -39,6 +39,9 @@ def main() -> None:
     except _UsageError as error:
         sys.stderr.write(f"realitygap: {error.format_message()} (see --help)\n")
         sys.exit(2)
+    except ArithmeticError as error:  # a model or world that left the finite numbers
+        sys.stderr.write(f"realitygap: {error}\n")
+        sys.exit(1)
     except typer.Abort:
         sys.exit(130)
     except KeyboardInterrupt:
