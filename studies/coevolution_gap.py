@@ -14,21 +14,19 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from embedded_sim import InputError
-from models.schema import CASES
+from embedded_sim import CONTROL_STEP, InputError
+from embedded_sim.onboard import GENERATION_STEPS
+from studies.experiment import HALVES
 
 COLUMNS = (
     *("run", "robot", "generation", "t_start", "t_end", "case"),
     *("s0_third", "fitness_sim", "fitness_real"),
 )
-HALVES = {
-    "at-nest-to-opposite": ("light-at-nest", "light-opposite-nest"),
-    "opposite-to-at-nest": ("light-opposite-nest", "light-at-nest"),
-}
-"""Scenario before and after the lamp moves, half way through the run."""
 BOOTSTRAPS = 2000
 INTERVAL = (0.025, 0.975)
 """Quantiles of a 95 % interval."""
+ENOUGH_RUNS = 8
+"""Runs that are resampled whole; with fewer, the robots of each run are."""
 LEAST = 2
 """Clusters (robots of a run, or runs) needed for an interval."""
 
@@ -74,11 +72,11 @@ def coevolution_gap(generations: pd.DataFrame, *, seed: int = 0) -> CoevolutionG
     """F_S - F_R split by whether S0's third matches the case; None without any bred controller.
 
     The mean gap is (right third) + share of wrong thirds * (wrong third - right third): the robot's
-    model and the environment's model. Intervals resample whole runs, or the robots of a single run.
+    model and the environment's model. Intervals resample whole runs, or, of few runs, their robots.
 
     Args:
-        generations: Columns `COLUMNS`; rows without F_S, F_R or third (fixed controllers), or in
-            which the lamp moved, are left out and counted.
+        generations: Columns `COLUMNS`; rows without F_S, F_R or third (fixed controllers), cut
+            short by the run's end, or in which the lamp moved, are left out and counted.
         seed: Of the resampling.
     """
     truth = _scenario(generations)
@@ -92,7 +90,9 @@ def coevolution_gap(generations: pd.DataFrame, *, seed: int = 0) -> CoevolutionG
         fitness_real=real,
         gap=sim - real,
     )
-    usable = truth.notna() & third.notna() & table["gap"].notna()
+    lived = generations["t_end"] - generations["t_start"]
+    whole = lived > (GENERATION_STEPS - 1) * CONTROL_STEP
+    usable = whole & truth.notna() & third.notna() & table["gap"].notna()
     left_out = int((~usable).sum())
     table = table[usable].reset_index(drop=True)
     if table.empty:
@@ -114,15 +114,15 @@ def _scenario(generations: pd.DataFrame) -> pd.Series[float]:
     """
     case = generations["case"].astype(str)
     half = generations.groupby("run", observed=True)["t_end"].transform("max") / 2
+    first, second = (case.map({name: pair[k] for name, pair in HALVES.items()}) for k in (0, 1))
     before, after = generations["t_end"] <= half, generations["t_start"] >= half
-    halves = [case.map({name: pair[k] for name, pair in HALVES.items()}) for k in (0, 1)]
-    moved = halves[0].where(before, halves[1].where(after))
-    return case.where(~case.isin(list(HALVES)), moved).map(CASES).astype(float)
+    moved = first.where(before, second.where(after))
+    return first.where(first == second, moved).astype(float)
 
 
 def _split(table: pd.DataFrame, seed: int) -> dict[str, Any]:
     """Means, and the two parts of the gap with intervals."""
-    several = table["run"].nunique() >= LEAST
+    several = table["run"].nunique() >= ENOUGH_RUNS
     cluster = table.groupby("run" if several else ["run", "robot"]).ngroup().to_numpy()
     clusters = int(cluster.max()) + 1
     right = table["matches"].to_numpy()

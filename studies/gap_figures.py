@@ -44,7 +44,13 @@ def draw_figures(
         if gap.sensors:
             _save(_sensors(gap), out / "sensors.png")
         if coevolution is not None:
-            _save(_coevolution(coevolution), out / "coevolution.png")
+            draw_coevolution(coevolution, out)
+
+
+def draw_coevolution(found: CoevolutionGap, out: Path) -> None:
+    """Write the figure of the gap in fitness into a directory."""
+    with sns.axes_style("whitegrid"):
+        _save(_coevolution(found), out / "coevolution.png")
 
 
 def _save(figure: Figure, path: Path) -> None:

@@ -18,8 +18,8 @@ from models.motion_gap import UNITS
 from models.noise import pose_noise
 from models.shares import Share, explained
 from studies.coevolution_gap import CoevolutionGap
-from studies.gap_figures import draw_figures
-from studies.gap_words import ranked_maps, summary
+from studies.gap_figures import draw_coevolution, draw_figures
+from studies.gap_words import fitness_line, ranked_maps, summary
 
 SCHEMA = 1
 MOST_CONDITIONS = 3
@@ -44,8 +44,16 @@ def write_gap(
     if coevolution is not None:
         _write(coevolution.table, coevolution.units, out / "coevolution.parquet")
     draw_figures(log, gap, out, coevolution)
-    text = json.dumps(report, indent=1, allow_nan=False)
-    (out / "gap.json").write_text(text + "\n", encoding="utf-8")
+    _write_json(report, out)
+    return report
+
+
+def write_coevolution(found: CoevolutionGap, out: Path) -> dict[str, Any]:
+    """The report of a directory that has generations but no samples: the gap in fitness alone."""
+    report = {"schema": SCHEMA, "coevolution": found.report, "summary": [fitness_line(found)]}
+    _write(found.table, found.units, out / "coevolution.parquet")
+    draw_coevolution(found, out)
+    _write_json(report, out)
     return report
 
 
@@ -200,6 +208,12 @@ def _map_table(gap: Gap) -> pd.DataFrame:
         frame.insert(0, "kind", kind)
         parts.append(frame.assign(p=found.p, unit=unit_of(found.channel)))
     return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
+
+
+def _write_json(report: dict[str, Any], out: Path) -> None:
+    """`gap.json`."""
+    text = json.dumps(report, indent=1, allow_nan=False)
+    (out / "gap.json").write_text(text + "\n", encoding="utf-8")
 
 
 def _write(frame: pd.DataFrame, units: dict[str, str], path: Path) -> None:

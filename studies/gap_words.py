@@ -49,7 +49,7 @@ def summary(log: MeasuredLog, gap: Gap, coevolution: CoevolutionGap | None = Non
         lines.insert(0, f"No channel departs from the model beyond noise (level {LEVEL:g}).")
     tail = [_noise_line(gap)]
     if coevolution is not None:
-        tail.insert(0, _fitness_line(coevolution))
+        tail.insert(0, fitness_line(coevolution))
     if log.notes:
         tail.append("Repaired or left out: " + "; ".join(log.notes) + ".")
     if gap.silent:
@@ -184,7 +184,7 @@ def _noise_line(gap: Gap) -> str:
     return f"Tracker noise, from the log itself: {position} and {heading:.2g} deg."
 
 
-def _fitness_line(found: CoevolutionGap) -> str:
+def fitness_line(found: CoevolutionGap) -> str:
     """F_S - F_R and its two parts."""
     report = found.report
     parts = []

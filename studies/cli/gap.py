@@ -15,7 +15,7 @@ EXAMPLE = """Example: realitygap gap out/run1 --out out/gap1"""
 
 @app.command(epilog=EXAMPLE)
 def gap(
-    log: Annotated[Path, typer.Argument(help="Measured log, or the directory of a run.")],
+    log: Annotated[Path, typer.Argument(help="Measured log, or the directory of a run or study.")],
     out: Out,
     model: Annotated[
         str | None, typer.Option(help="Model file, or the name of a shipped robot.")
@@ -26,25 +26,29 @@ def gap(
 ) -> None:
     """Show what the simulation gets wrong: replay a measured log through the point model.
 
-    Writes gap.json, tidy tables and figures. A run's directory adds the gap in fitness.
+    Writes gap.json, tidy tables and figures. A directory with generations.parquet (a run's or a
+    study's) adds the gap between simulated and real fitness; without samples, that is all.
     """
     from models.gap import measure_gap
-    from models.log import read_log
+    from models.log import SAMPLES, read_log
     from models.modelfile import load_model, read_model_file
     from studies.coevolution_gap import coevolution_gap, find_generations, read_generations
+    from studies.gap_report import write_coevolution, write_gap
     from studies.output import check_free, whole_directory
 
     check_free(out, force=force)
     file = read_model_file(model)
     point = load_model(model, sensors="declared")
-    measured = read_log(log, drive=point.drive)
     generations = find_generations(log)
     evolved = coevolution_gap(read_generations(generations)) if generations else None
-    found = measure_gap(measured, file, point, seed=seed)
-    from studies.gap_report import write_gap
-
-    with whole_directory(out, force=force) as part:
-        report = write_gap(measured, found, part, name=file.name, coevolution=evolved)
+    if evolved is not None and not (log / SAMPLES).exists():
+        with whole_directory(out, force=force) as part:
+            report = write_coevolution(evolved, part)
+    else:
+        measured = read_log(log, drive=point.drive)
+        found = measure_gap(measured, file, point, seed=seed)
+        with whole_directory(out, force=force) as part:
+            report = write_gap(measured, found, part, name=file.name, coevolution=evolved)
     if not quiet:
         for line in report["summary"]:
             typer.echo(line)

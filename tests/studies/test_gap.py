@@ -1,0 +1,148 @@
+import json
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+
+from embedded_sim import InputError
+from studies.coevolution_gap import coevolution_gap, read_generations
+from tests.helpers import realitygap
+from tests.models.small import driven_log, shared_data
+
+
+def generations(case="light-at-nest", rows=400, *, robot_model=10.0, environment=25.0, seed=0):
+    """Generations whose simulated fitness is too high by known amounts."""
+    rng = np.random.default_rng(np.random.SeedSequence(seed))
+    third = rng.integers(0, 3, rows)
+    start = 60.0 * np.arange(rows) % 3600.0
+    right = {"light-opposite-nest": 0, "no-light": 1, "light-at-nest": 2}
+    second = right.get(case, 0)
+    truth = np.where(start < 1800, right.get(case, 2), second)
+    real = rng.uniform(0, 60, rows)
+    excess = robot_model + environment * (third != truth) + rng.normal(0, 5, rows)
+    return pd.DataFrame(
+        {
+            "run": np.repeat([f"r{k}" for k in range(4)], rows // 4),
+            "robot": np.arange(rows) % 10,
+            "generation": np.arange(rows),
+            "t_start": start,
+            "t_end": start + 60.0,
+            "case": case,
+            "s0_third": pd.array(third, dtype="Int8"),
+            "fitness_sim": real + excess,
+            "fitness_real": real,
+        }
+    )
+
+
+@pytest.mark.parametrize(
+    "case", ["light-at-nest", "no-light", "light-opposite-nest", "at-nest-to-opposite"]
+)
+def test_the_gap_in_fitness_is_split_into_its_two_models(case):
+    found = coevolution_gap(generations(case))
+    assert found is not None
+    report = found.report
+    robot, environment = report["robot_model"], report["environment_model"]
+    wrong = 1.0 - report["share_right_third"]
+    for part, expected in ((robot, 10.0), (environment, 25.0 * wrong)):
+        assert part["value"] == pytest.approx(expected, abs=1.5)
+        assert part["low"] < part["value"] < part["high"] < part["low"] + 4.0
+    assert report["total"]["value"] == pytest.approx(robot["value"] + environment["value"])
+    assert len(report["by_robot"]) == 10
+
+
+def test_generations_that_tell_nothing_are_left_out_and_counted():
+    table = generations()
+    table.loc[:9, "fitness_sim"] = np.nan
+    table.loc[10:14, "s0_third"] = pd.NA
+    table.loc[15:19, "t_end"] -= 1.0
+    found = coevolution_gap(table)
+    assert found is not None
+    assert found.report["rows_left_out"] == 20
+    assert coevolution_gap(table.iloc[:20]) is None
+
+
+def test_a_table_of_something_else_is_refused(tmp_path):
+    generations().drop(columns="s0_third").to_parquet(tmp_path / "generations.parquet")
+    with pytest.raises(InputError, match="s0_third"):
+        read_generations(tmp_path / "generations.parquet")
+
+
+def test_gap_writes_its_report_and_says_it_in_ten_lines(tmp_path):
+    driven_log(2, rows=1500, position_noise=5e-4, heading_noise=5e-3).to_csv(
+        tmp_path / "log.csv", index=False
+    )
+    done = realitygap("gap", tmp_path / "log.csv", "--out", tmp_path / "gap")
+    assert done.returncode == 0, done.stderr
+    report = json.loads((tmp_path / "gap" / "gap.json").read_text())
+    assert report["schema"] == 1
+    assert not report["flagged"]
+    assert 0 < len(report["summary"]) <= 10
+    assert done.stdout.splitlines()[:-1] == report["summary"]
+    for name in ("horizons", "maps", "windows"):
+        fields = pq.read_schema(tmp_path / "gap" / f"{name}.parquet")
+        assert len(pd.read_parquet(tmp_path / "gap" / f"{name}.parquet"))
+        assert all(b"unit" in field.metadata for field in fields)
+    for name in ("horizons", "shares", "maps", "arena"):
+        assert (tmp_path / "gap" / f"{name}.png").stat().st_size > 5000
+    for channel in report["channels"]:
+        assert sum(channel["shares"].values()) == pytest.approx(1.0)
+
+
+def test_the_same_log_gives_the_same_report(tmp_path):
+    driven_log(1, rows=400).to_csv(tmp_path / "log.csv", index=False)
+    for name in ("a", "b"):
+        realitygap("gap", tmp_path / "log.csv", "--out", tmp_path / name)
+    for path in (tmp_path / "a").iterdir():
+        assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
+
+
+def test_a_directory_with_generations_alone_gives_the_gap_in_fitness(tmp_path):
+    (tmp_path / "study").mkdir()
+    generations().to_parquet(tmp_path / "study" / "generations.parquet")
+    done = realitygap("gap", tmp_path / "study", "--out", tmp_path / "gap")
+    assert done.returncode == 0, done.stderr
+    report = json.loads((tmp_path / "gap" / "gap.json").read_text())
+    assert "coevolution" in report
+    assert "horizons" not in report
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("gap", "none.csv", "--out", "out"),
+        ("gap", "empty", "--out", "out"),
+        ("gap", "log.csv", "--out", "log.csv"),
+        ("gap", "log.csv", "--out", "out", "--model", "epuk"),
+        ("gap", "degrees.csv", "--out", "out"),
+        ("import", "rosbag", "x", "--out", "out.csv"),
+        ("import", "optiodom", "empty", "--out", "out.csv"),
+        ("import", "csv", "log.csv", "--out", "out.csv"),
+        ("import", "mrclam", "empty", "--out", "out.txt"),
+    ],
+)
+def test_bad_input_is_one_line_and_leaves_nothing(tmp_path, words):
+    frame = driven_log(1, rows=400)
+    frame.to_csv(tmp_path / "log.csv", index=False)
+    frame.assign(yaw=np.degrees(frame["yaw"])).to_csv(tmp_path / "degrees.csv", index=False)
+    (tmp_path / "empty").mkdir()
+    before = sorted(tmp_path.iterdir())
+    paths = {"none.csv", "log.csv", "degrees.csv", "empty", "out", "out.csv", "out.txt"}
+    done = realitygap(*[tmp_path / word if word in paths else word for word in words])
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.count("\n") == 1
+    assert done.stderr.startswith("realitygap: ")
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_real_session_goes_from_the_labs_files_to_a_report(tmp_path):
+    source = shared_data("optiodom") / "circular" / "250620202104"
+    log = tmp_path / "log.parquet"
+    done = realitygap("import", "optiodom", source, "--out", log)
+    assert done.returncode == 0, done.stderr
+    assert "6 runs, 1 robots" in done.stdout
+    done = realitygap("gap", log, "--model", "optiodom", "--out", tmp_path / "gap")
+    assert done.returncode == 0, done.stderr
+    report = json.loads((tmp_path / "gap" / "gap.json").read_text())
+    assert [row["horizon"] for row in report["horizons"]] == ["step", "0.4 s", "1 s", "5 s", "20 s"]
