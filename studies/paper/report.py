@@ -136,7 +136,10 @@ def settings_sections(directory: StudyDirectory) -> list[Section]:
         + "."
         for session in directory.sessions
     ]
-    repeat = "A run is repeated by: realitygap run --case … --controller … --seed … --no-samples"
+    repeat = (
+        "A run of the default reading and lamp is repeated by: "
+        "realitygap run --case … --controller … --seed … --no-samples"
+    )
     return [
         Section("Settings, versions, computing", took, tables=[Table.of(settings)]),
         Section("Seeds", (repeat,), tables=[Table.of(seeds)]),
