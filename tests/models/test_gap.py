@@ -181,7 +181,7 @@ def damaged(frame, damages):
         else:
             frame[column] = frame[column].astype(object)
             frame.loc[rows, column] = "n/a"
-        if column not in frame:
+        if kind == "text" or column not in frame:
             break
     return frame
 
