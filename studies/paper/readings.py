@@ -15,7 +15,7 @@ import pandas as pd
 from embedded_sim.reading import BOUNDINGS
 from studies.paper.claims import CLAIMS
 from studies.paper.conditions import COEVOLVED, PAPER, Condition
-from studies.paper.statistics import Evidence
+from studies.paper.statistics import FEWEST, Evidence
 from studies.paper.tables import StudyTables
 from studies.paper.verdicts import weigh
 
@@ -76,6 +76,8 @@ def of_variant(tables: StudyTables, variant: str) -> StudyTables:
 def stands(evidence: Evidence) -> str:
     """Whether the whole interval lies where the claim is true, where it is false, or in both."""
     low, high = evidence.region
+    if evidence.runs < FEWEST:
+        return "open"
     if low < evidence.low and evidence.high < high:
         return "holds"
     if evidence.high <= low or evidence.low >= high:

@@ -19,6 +19,8 @@ Statistic = Callable[[Sequence[Array]], float]
 
 RESAMPLES = 2000
 """Bootstrap resamples; our choice: the ends of a 95 % interval rest on 50 each."""
+FEWEST = 3
+"""Runs below which an interval says nothing; our choice: of two, every resample is one of four."""
 LEVEL = 0.95
 """Coverage of intervals; verdicts use its complement after Holm's correction."""
 

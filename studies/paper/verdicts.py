@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from studies.paper.claims import CLAIMS
-from studies.paper.statistics import LEVEL, Evidence, holm
+from studies.paper.statistics import FEWEST, LEVEL, Evidence, holm
 from studies.paper.tables import StudyTables
 from studies.paper.weighing import Claim
 
@@ -60,6 +60,8 @@ def _row(claim: Claim, evidence: Evidence, p_holm: float) -> dict[str, object]:
 def verdict(evidence: Evidence, p_holm: float) -> str:
     """Reproduced, not reproduced or undecided."""
     low, high = evidence.region
+    if evidence.runs < FEWEST:
+        return "undecided"
     if p_holm < 1.0 - LEVEL and low < evidence.effect < high:
         return "reproduced"
     if evidence.high <= low or evidence.low >= high:

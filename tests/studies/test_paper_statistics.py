@@ -93,6 +93,7 @@ def test_verdicts_follow_the_corrected_p_and_the_interval() -> None:
     assert verdict(Evidence(2.0, 1.5, 2.5, 1e-2, above_one, 10), 0.2) == "undecided"
     assert verdict(Evidence(0.8, 0.6, 0.9, 0.99, above_one, 10), 1.0) == "not reproduced"
     assert verdict(Evidence(0.9, 0.6, 1.2, 0.6, above_one, 10), 1.0) == "undecided"
+    assert verdict(Evidence(2.0, 1.5, 2.5, 1e-4, above_one, 2), 0.01) == "undecided"
     nan = float("nan")
     assert verdict(Evidence(nan, nan, nan, nan, above_one, 0), nan) == "undecided"
 
