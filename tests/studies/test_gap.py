@@ -1,4 +1,5 @@
 import json
+import resource
 
 import numpy as np
 import pandas as pd
@@ -146,3 +147,61 @@ def test_a_real_session_goes_from_the_labs_files_to_a_report(tmp_path):
     assert done.returncode == 0, done.stderr
     report = json.loads((tmp_path / "gap" / "gap.json").read_text())
     assert [row["horizon"] for row in report["horizons"]] == ["step", "0.4 s", "1 s", "5 s", "20 s"]
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """A healthy run, and one in which robot 3 has one larger wheel."""
+    where = tmp_path_factory.mktemp("runs")
+    wrong = ("--effect", "wheel_radius_mismatch:ratio=1.02,robot=3")
+    for name, effect in (("healthy", ()), ("wrong", wrong)):
+        words = ("--minutes", 2, "--controller", "search", "--seed", 7, "--out", where / name)
+        done = realitygap("run", *words, *effect)
+        assert done.returncode == 0, done.stderr
+        done = realitygap("gap", where / name, "--out", where / f"{name}-gap")
+        assert done.returncode == 0, done.stderr
+    return where
+
+
+def report_of(directory):
+    return json.loads((directory / "gap.json").read_text())
+
+
+def test_a_wheel_two_per_cent_larger_shows_in_its_robot_and_in_no_other(runs):
+    report = report_of(runs / "wrong-gap")
+    odd = [robot["robot"] for robot in report["robots"] if robot["flagged"]]
+    assert odd == ["robot 3"]
+    assert any(line.startswith("Robot 3 is unlike the others") for line in report["summary"])
+
+
+def test_a_healthy_run_shows_the_inherent_gap_and_no_odd_robot(runs):
+    report = report_of(runs / "healthy-gap")
+    assert report["flagged"]
+    assert not any(robot["flagged"] for robot in report["robots"])
+    heading = next(
+        c for c in report["channels"] if c["channel"] == "heading" and c["horizon"] == "0.4 s"
+    )
+    assert heading["shares"]["structured"] > 0.2
+
+
+def test_what_was_hidden_leaves_no_trace_but_in_the_measurements(runs):
+    for name in ("truth.json", "run.json"):
+        (runs / "wrong" / name).write_text("unreadable")
+    done = realitygap("gap", runs / "wrong", "--out", runs / "again")
+    assert done.returncode == 0, done.stderr
+    assert report_of(runs / "again") == report_of(runs / "wrong-gap")
+
+
+@pytest.mark.slow
+def test_ten_minutes_of_ten_robots_take_little_time_and_memory(tmp_path):
+    took = {}
+    for minutes in (10, 20):
+        run, out = tmp_path / f"run{minutes}", tmp_path / f"gap{minutes}"
+        words = ("--minutes", minutes, "--controller", "search", "--out", run)
+        assert realitygap("run", *words).returncode == 0
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        assert realitygap("gap", run, "--out", out).returncode == 0
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        took[minutes] = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    assert took[10] < 20.0
+    assert took[20] < 2.2 * took[10]
