@@ -9,8 +9,8 @@ from embedded_sim.model import (
     SENSORS,
     Drive,
     PointModel,
-    Tables,
 )
+from embedded_sim.senses import Senses
 from embedded_sim.simulator import (
     TRIAL_SECONDS,
     Diverged,
@@ -21,6 +21,7 @@ from embedded_sim.simulator import (
     readings,
     replay,
 )
+from embedded_sim.tables import Tables
 
 __all__ = [
     "CONTROL_STEP",
@@ -36,6 +37,7 @@ __all__ = [
     "PointModel",
     "Readings",
     "Replay",
+    "Senses",
     "Tables",
     "evaluate",
     "readings",

@@ -15,6 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from embedded_sim._core import ffi
+from embedded_sim.senses import LampGeometry, Senses, worked_in
+from embedded_sim.tables import FloatArray as FloatArray
+from embedded_sim.tables import Tables
 
 SENSORS = 8
 """Infrared and light sensors of an e-puck."""
@@ -29,7 +32,6 @@ SENSOR_ANGLES = (-0.297, -0.855, -1.571, -2.618, 2.618, 1.571, 0.855, 0.297)
 """rad from forward, counter-clockwise, ps0 (front-right) clockwise to ps7 (front-left): Xpuck."""
 
 Pair = tuple[float, float]
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,30 +61,6 @@ class Drive:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Tables:
-    """Captured sensor readings of a nominal robot; axes as documented in `rg_tables`."""
-
-    ps_counts: npt.NDArray[np.float32]
-    """(8, distances, incidences) counts."""
-    ps_range: float
-    """m; the distance axis is `ps_range * u**2`, u uniform in [0, 1]."""
-    ps_noise: FloatArray
-    """(8,) half width of uniform noise relative to the reading."""
-    ps_noise_floor: float
-    """counts, half width of uniform noise."""
-    ls_counts: npt.NDArray[np.float32]
-    """(distances, bearings) counts below dark; bearings from -pi, uniform on the circle."""
-    ls_range: float
-    """m; the distance axis is `ls_range * u**2`."""
-    ls_dark: float
-    """counts in the dark."""
-    ls_noise: float
-    """counts, half width of uniform noise."""
-    counts_max: float = 4095.0
-    """12-bit converter."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class PointModel:
     """The embedded simulator's model of robot, sensors and arena (REP-103 axes, SI units)."""
 
@@ -98,16 +76,31 @@ class PointModel:
     lamps: tuple[Pair | None, Pair | None, Pair | None] = ((-0.6, 0.0), None, (0.6, 0.0))
     """Lamp position (m) for each of `SCENARIOS`."""
     lamp_gain: float = 1.0
+    """Power of the lamp set up, relative to the captured one's."""
+    lamp_height: float = 0.10
+    """m above the floor, of the captured lamp."""
+    sensor_height: float = 0.033
+    """m above the floor."""
     sensor_angles: tuple[float, ...] = SENSOR_ANGLES
-    ps_gain: tuple[float, ...] = (1.0,) * SENSORS
-    ls_gain: tuple[float, ...] = (1.0,) * SENSORS
+    senses: Senses = field(default_factory=Senses)
 
     @cached_property
-    def _around(self) -> npt.NDArray[np.float32]:
-        """The light table with its circle of bearings three times over, as C looks it up."""
-        assert self.tables is not None
-        circle = self.tables.ls_counts
-        return np.ascontiguousarray(np.hstack([circle, circle, circle, circle[:, :1]]))
+    def _worked_in(self) -> tuple[Tables, npt.NDArray[np.float32]]:
+        """The tables as believed, and the light's circle of bearings three times over, as C has it.
+
+        Raises:
+            ValueError: the model has no sensor tables.
+        """
+        if self.tables is None:
+            raise ValueError("this model has no sensor tables: expected [sensors] in its file")
+        geometry = LampGeometry(
+            lamp_height=self.lamp_height,
+            sensor_height=self.sensor_height,
+            body_radius=self.body_radius,
+        )
+        tables = worked_in(self.tables, self.senses, geometry)
+        circle = tables.ls_counts
+        return tables, np.ascontiguousarray(np.hstack([circle, circle, circle, circle[:, :1]]))
 
     @cached_property
     def struct(self) -> Any:
@@ -116,29 +109,44 @@ class PointModel:
         Raises:
             ValueError: the model has no sensor tables.
         """
-        if self.tables is None:
-            raise ValueError("this model has no sensor tables: expected [sensors] in its file")
-        t = self.tables
-        shape, light = t.ps_counts.shape, t.ls_counts.shape
-        lamps = [lamp or (0.0, 0.0) for lamp in self.lamps]
         struct = ffi.new("rg_model *")
         struct.drive = self.drive.struct()[0]
-        struct.tables.ps_counts = ffi.from_buffer("float[]", t.ps_counts)
-        struct.tables.ps_distances, struct.tables.ps_incidences = shape[1], shape[2]
-        struct.tables.ls_counts = ffi.from_buffer("float[]", self._around)
-        struct.tables.ls_distances, struct.tables.ls_bearings = light
-        struct.tables.ps_noise = t.ps_noise.tolist()
-        for name in ("ps_range", "ps_noise_floor", "ls_range", "ls_dark", "ls_noise", "counts_max"):
-            setattr(struct.tables, name, getattr(t, name))
+        self._fill_tables(struct.tables)
+        self._fill_light(struct)
         struct.body_radius, struct.arena_radius = self.body_radius, self.arena_radius
         struct.nest_x, struct.nest_y, struct.nest_radius = self.nest
         struct.food_radius, struct.food_items = self.food_radius, self.food_items
-        struct.lamp_on = [lamp is not None for lamp in self.lamps]
-        struct.lamp_x, struct.lamp_y = [x for x, _ in lamps], [y for _, y in lamps]
-        struct.lamp_gain = self.lamp_gain
-        struct.sensor_angle = self.sensor_angles
-        struct.sensor_cos = [math.cos(a) for a in self.sensor_angles]
-        struct.sensor_sin = [math.sin(a) for a in self.sensor_angles]
-        struct.ps_gain, struct.ls_gain = self.ps_gain, self.ls_gain
+        angles = [angle + self.senses.rotation for angle in self.sensor_angles]
+        struct.sensor_angle = angles
+        struct.sensor_cos = [math.cos(a) for a in angles]
+        struct.sensor_sin = [math.sin(a) for a in angles]
+        struct.ps_gain = [gain * self.senses.wall_albedo for gain in self.senses.ps_gain]
+        struct.ps_offset = self.senses.ps_offset
         struct.control_step = CONTROL_STEP
         return struct
+
+    def _fill_tables(self, struct: Any) -> None:
+        t, circle = self._worked_in
+        noise = self.senses.ps_noise
+        struct.ps_counts = ffi.from_buffer("float[]", t.ps_counts)
+        struct.ps_distances, struct.ps_incidences = t.ps_counts.shape[1:]
+        struct.ps_noise = [noise * half for half in t.ps_noise.tolist()]
+        struct.ps_noise_floor = noise * t.ps_noise_floor
+        struct.ls_counts = ffi.from_buffer("float[]", circle)
+        struct.ls_distances, struct.ls_bearings = t.ls_counts.shape
+        for name in ("ps_range", "ls_range", "ls_dark", "ls_noise", "counts_max"):
+            setattr(struct, name, getattr(t, name))
+
+    def _fill_light(self, struct: Any) -> None:
+        senses = self.senses
+        shift_x, shift_y = senses.lamp_shift
+        lamps = [lamp or (0.0, 0.0) for lamp in self.lamps]
+        struct.lamp_on = [lamp is not None for lamp in self.lamps]
+        struct.lamp_x = [x + shift_x for x, _ in lamps]
+        struct.lamp_y = [y + shift_y for _, y in lamps]
+        worked = senses.light_gamma != 1.0  # then the intensity went through the response
+        struct.lamp_gain = self.lamp_gain * (1.0 if worked else senses.lamp_intensity)
+        struct.lamp_decay = senses.lamp_decay
+        struct.ls_gain = senses.ls_gain
+        second = senses.second_lamp or (0.0, 0.0, 0.0)
+        struct.second_x, struct.second_y, struct.second_gain = second

@@ -152,8 +152,16 @@ class Readings(NamedTuple):
     """(rows, 8) counts."""
 
 
-def readings(poses: npt.ArrayLike, scenarios: npt.ArrayLike, *, model: PointModel) -> Readings:
+def readings(
+    poses: npt.ArrayLike,
+    scenarios: npt.ArrayLike,
+    t: npt.ArrayLike | None = None,
+    *,
+    model: PointModel,
+) -> Readings:
     """Predict the sensors at given poses, (rows, 3), under each row's lamp scenario, (rows,).
+
+    `t`, (rows,) s since the log began, matters to a lamp that decays; None: all at its beginning.
 
     Raises:
         ValueError: shapes disagree, or the model has no sensor tables.
@@ -166,6 +174,7 @@ def readings(poses: npt.ArrayLike, scenarios: npt.ArrayLike, *, model: PointMode
     scenario = _exact(scenarios, np.int32, (rows,), "scenarios")
     if rows and not 0 <= scenario.min() <= scenario.max() <= 2:
         raise ValueError(f"scenarios: got {scenario.min()}..{scenario.max()}, expected 0, 1 or 2")
+    times = np.zeros(rows) if t is None else _exact(t, np.float64, (rows,), "t")
     result = Readings(np.empty((rows, SENSORS)), np.empty((rows, SENSORS)))
     at = ffi.new("int64_t *")
     status = lib.rg_readings(
@@ -173,6 +182,7 @@ def readings(poses: npt.ArrayLike, scenarios: npt.ArrayLike, *, model: PointMode
         rows,
         _pointer("double[]", pose),
         _pointer("int32_t[]", scenario),
+        _pointer("double[]", times),
         _pointer("double[]", result.ps),
         _pointer("double[]", result.ls),
         at,

@@ -69,7 +69,7 @@ static void rg_sense(const rg_model *m, rg_forager *f, int scenario, double *ps,
     const rg_tables *t = &m->tables;
     const double c = f->heading[0], s = f->heading[1];
     rg_ps(m, f->pose[0], f->pose[1], c, s, ps);
-    rg_ls(m, scenario, f->pose[0], f->pose[1], c, s, ls);
+    rg_ls(m, scenario, f->pose[0], f->pose[1], c, s, f->motors.time, ls);
     uint32_t bits[RG_SENSORS]; /* two 16-bit uniforms each: enough for a 12-bit converter */
     for (int k = 0; k < RG_SENSORS; k++)
         bits[k] = rg_next(&f->random);

@@ -69,10 +69,14 @@ typedef struct {
     int32_t food_items;                  /* always present (III-I), at most RG_FOOD_MAX */
     int32_t lamp_on[3];                  /* per scenario */
     double lamp_x[3], lamp_y[3];         /* m, per scenario */
-    double lamp_gain;                    /* on every reading above dark [1] */
+    double lamp_gain;                    /* on every reading below dark [1] */
+    double lamp_decay;                   /* 1/s, relative loss of lamp power with time [0] */
+    double second_x, second_y;           /* m, another lamp, in every scenario */
+    double second_gain;                  /* of it, relative to the captured lamp [0: none] */
     double sensor_angle[8];              /* rad from forward, counter-clockwise */
     double sensor_cos[8], sensor_sin[8]; /* of sensor_angle */
     double ps_gain[8];                   /* on every infrared reading [1] */
+    double ps_offset[8];                 /* counts, ambient infrared [0] */
     double ls_gain[8];                   /* on every light reading below dark [1] */
     double control_step;                 /* s */
 } rg_model;
@@ -156,10 +160,10 @@ int32_t rg_replay(const rg_drive *drive, int32_t segments, const int64_t *start,
                   const double *commands, const double *initial, double *poses, double *speeds,
                   int64_t *at);
 
-/* What the sensors read at given poses (rows, 3), without noise; scenario per row.
- * ps, ls: (rows, 8), either may be null. */
+/* What the sensors read at given poses (rows, 3), without noise; scenario per row, and t (rows,)
+ * the time since the log began (s), which may be null. ps, ls: (rows, 8), either may be null. */
 int32_t rg_readings(const rg_model *m, int64_t rows, const double *poses, const int32_t *scenarios,
-                    double *ps, double *ls, int64_t *at);
+                    const double *t, double *ps, double *ls, int64_t *at);
 
 /* binding end */
 

@@ -58,7 +58,7 @@ int32_t rg_replay(const rg_drive *drive, int32_t segments, const int64_t *start,
 }
 
 int32_t rg_readings(const rg_model *m, int64_t rows, const double *poses, const int32_t *scenarios,
-                    double *ps, double *ls, int64_t *at) {
+                    const double *t, double *ps, double *ls, int64_t *at) {
     for (int64_t row = 0; row < rows; row++) {
         const double *pose = poses + 3 * row;
         if (!isfinite(pose[0] + pose[1] + pose[2])) {
@@ -73,7 +73,8 @@ int32_t rg_readings(const rg_model *m, int64_t rows, const double *poses, const 
                 out[k] = rg_min(out[k], m->tables.counts_max);
         }
         if (ls != NULL)
-            rg_ls(m, scenarios[row], pose[0], pose[1], c, s, ls + RG_SENSORS * row);
+            rg_ls(m, scenarios[row], pose[0], pose[1], c, s, t == NULL ? 0.0 : t[row],
+                  ls + RG_SENSORS * row);
     }
     return RG_OK;
 }

@@ -45,32 +45,23 @@ static inline double rg_wall_reading(const rg_model *m, int k, double x, double 
            wd * ((1.0 - wi) * high[0] + wi * high[1]);
 }
 
-/* All infrared sensors at a pose (c, s: cosine and sine of yaw), without noise. Returns whether the
- * wall is near enough for any of them to see it. */
-static inline int rg_ps(const rg_model *m, double x, double y, double c, double s, double *ps) {
+/* All infrared sensors at a pose (c, s: cosine and sine of yaw), without noise. */
+static inline void rg_ps(const rg_model *m, double x, double y, double c, double s, double *ps) {
+    memcpy(ps, m->ps_offset, sizeof m->ps_offset);
     const double free = m->arena_radius - m->body_radius - m->tables.ps_range;
-    if (free > 0.0 && x * x + y * y < free * free) {
-        memset(ps, 0, RG_SENSORS * sizeof *ps);
-        return 0;
-    }
+    if (free > 0.0 && x * x + y * y < free * free)
+        return; /* no sensor can see the wall from here */
     for (int k = 0; k < RG_SENSORS; k++) {
         const double ux = c * m->sensor_cos[k] - s * m->sensor_sin[k];
         const double uy = s * m->sensor_cos[k] + c * m->sensor_sin[k];
-        ps[k] = m->ps_gain[k] * rg_wall_reading(m, k, x, y, ux, uy);
+        ps[k] += m->ps_gain[k] * rg_wall_reading(m, k, x, y, ux, uy);
     }
-    return 1;
 }
 
-/* All light sensors at a pose, without noise: dark, minus what the lamp adds. */
-static inline void rg_ls(const rg_model *m, int scenario, double x, double y, double c, double s,
-                         double *ls) {
+/* What a lamp at (dx, dy) from the robot takes off the light sensors' counts. */
+static inline void rg_lamp(const rg_model *m, double dx, double dy, double gain, double c, double s,
+                           double *ls) {
     const rg_tables *t = &m->tables;
-    if (!m->lamp_on[scenario]) {
-        for (int k = 0; k < RG_SENSORS; k++)
-            ls[k] = t->ls_dark;
-        return;
-    }
-    const double dx = m->lamp_x[scenario] - x, dy = m->lamp_y[scenario] - y;
     const double bearing = atan2(c * dy - s * dx, c * dx + s * dy);
     double wd;
     const int i = rg_node(sqrt(sqrt(dx * dx + dy * dy) / t->ls_range), t->ls_distances, &wd);
@@ -78,7 +69,6 @@ static inline void rg_ls(const rg_model *m, int scenario, double x, double y, do
     const float *low = t->ls_counts + (int64_t)i * around;
     const float *high = low + around;
     const double per_rad = t->ls_bearings / RG_TWO_PI;
-    const double gain = m->lamp_gain;
     for (int k = 0; k < RG_SENSORS; k++) {
         /* bearing and sensor angle lie in [-pi, pi]: the three copies of the circle hold any sum */
         const double at = (bearing - m->sensor_angle[k] + 1.5 * RG_TWO_PI) * per_rad;
@@ -86,8 +76,24 @@ static inline void rg_ls(const rg_model *m, int scenario, double x, double y, do
         const double wb = at - j;
         const double lit = (1.0 - wd) * ((1.0 - wb) * low[j] + wb * low[j + 1]) +
                            wd * ((1.0 - wb) * high[j] + wb * high[j + 1]);
-        ls[k] = rg_max(t->ls_dark - m->ls_gain[k] * gain * lit, 0.0);
+        ls[k] -= m->ls_gain[k] * gain * lit;
     }
+}
+
+/* All light sensors at a pose, without noise: dark, minus what the lamps add. `time` is the lamp's
+ * age (s). */
+static inline void rg_ls(const rg_model *m, int scenario, double x, double y, double c, double s,
+                         double time, double *ls) {
+    for (int k = 0; k < RG_SENSORS; k++)
+        ls[k] = m->tables.ls_dark;
+    if (m->lamp_on[scenario]) {
+        const double gain = m->lamp_gain * rg_max(1.0 - m->lamp_decay * time, 0.0);
+        rg_lamp(m, m->lamp_x[scenario] - x, m->lamp_y[scenario] - y, gain, c, s, ls);
+    }
+    if (m->second_gain > 0.0)
+        rg_lamp(m, m->second_x - x, m->second_y - y, m->second_gain, c, s, ls);
+    for (int k = 0; k < RG_SENSORS; k++)
+        ls[k] = rg_max(ls[k], 0.0);
 }
 
 #endif

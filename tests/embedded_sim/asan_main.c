@@ -118,14 +118,14 @@ static void replay(const rg_model *m) {
     for (int i = 0; i < 2; i++) {
         int status = rg_replay(drives[i], 3, start, t, commands, initial, poses, speeds, &at);
         if (status == RG_OK)
-            status = rg_readings(m, ROWS, poses, scenarios, ps, ls, &at);
+            status = rg_readings(m, ROWS, poses, scenarios, t, ps, ls, &at);
         if (status != RG_OK)
             fail("replay", status);
     }
     commands[2 * 50] = NAN;
     if (rg_replay(&m->drive, 3, start, t, commands, initial, poses, NULL, &at) != RG_NOT_FINITE)
         fail("replay of NaN", (int)at);
-    if (rg_readings(m, ROWS, poses, scenarios, ps, NULL, &at) != RG_NOT_FINITE)
+    if (rg_readings(m, ROWS, poses, scenarios, NULL, ps, NULL, &at) != RG_NOT_FINITE)
         fail("readings at NaN", (int)at);
 }
 
@@ -166,6 +166,9 @@ int main(void) {
     model.drive.dead_zone[0] = 1.0;
     model.drive.speed_limit[1] = 5.0;
     model.lamp_x[2] = 3.0; /* further than the table knows */
+    model.lamp_decay = 0.1;
+    model.second_gain = 2.0;
+    model.ps_offset[3] = 50.0;
     evaluate(&model, &behaviour, RG_OK);
     model.food_items = RG_FOOD_MAX + 1;
     evaluate(&model, &behaviour, RG_BAD_ARGUMENT);

@@ -14,6 +14,7 @@ from embedded_sim import (
     Diverged,
     Drive,
     PointModel,
+    Senses,
     evaluate,
     readings,
 )
@@ -86,7 +87,7 @@ def test_without_a_lamp_the_genes_make_no_difference() -> None:
 
 def test_null_terms_leave_whole_evaluations_bit_for_bit() -> None:
     null = Drive(acceleration=(math.inf, math.inf), speed_limit=(math.inf, math.inf))
-    model = replace(load_model(), drive=null, lamp_gain=1.0, ps_gain=(1.0,) * 8)
+    model = replace(load_model(), drive=null, senses=Senses(lamp_height=0.10))
     assert (forage(POSITIVE, AT_NEST, 50, model) == forage(POSITIVE, AT_NEST, 50)).all()
 
 

@@ -1,0 +1,106 @@
+"""How sensors and lamp differ from those the tables were captured from.
+
+Most differences are functions of distance and bearing alone: they are worked into the tables once,
+when a model is built, so that an extended model senses at the price of the minimal one. Null values
+change no bit.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from embedded_sim.tables import FloatArray, Tables
+
+NONE = (0.0,) * 8
+UNITY = (1.0,) * 8
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Senses:
+    """Terms of the sensors' and the lamp's model; the defaults make the minimal model."""
+
+    ps_gain: tuple[float, ...] = UNITY
+    """(8,) on every infrared reading; 0: a dead sensor."""
+    ps_offset: tuple[float, ...] = NONE
+    """(8,) counts of ambient infrared."""
+    ps_noise: float = 1.0
+    """on the infrared's noise."""
+    wall_albedo: float = 1.0
+    """on every reading of the wall."""
+    rotation: float = 0.0
+    """rad, counter-clockwise, of the ring of infrared and light sensors."""
+    ls_gain: tuple[float, ...] = UNITY
+    """(8,) on what every light sensor reads of the lamps; 0: a dead sensor."""
+    lamp_intensity: float = 1.0
+    lamp_height: float | None = None
+    """m above the floor; None: as captured."""
+    light_exponent: float = 2.0
+    """of the distance in the law of light."""
+    lamp_shift: tuple[float, float] = (0.0, 0.0)
+    """m, of every lamp."""
+    lamp_decay: float = 0.0
+    """1/s, relative loss of the lamp's power with time since the log or trial began."""
+    ambient_light: float = 0.0
+    """uniform background as a share of what a facing sensor reads at 0.5 m from the lamp."""
+    light_gamma: float = 1.0
+    """exponent of the light sensors' response curve, full scale kept."""
+    second_lamp: tuple[float, float, float] | None = None
+    """x, y (m) and intensity relative to the first lamp's; in every scenario."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LampGeometry:
+    """Where the captured lamp stood (m): needed only to ask what another height would give."""
+
+    lamp_height: float = 0.10
+    sensor_height: float = 0.033
+    body_radius: float = 0.035
+
+
+def worked_in(tables: Tables, senses: Senses, geometry: LampGeometry) -> Tables:
+    """The tables with every term that depends on distance and bearing alone worked in."""
+    lit = tables.ls_counts * _law_ratio(tables, senses, geometry).astype(np.float32)
+    dark = tables.ls_dark - senses.ambient_light * _facing_at_half_a_metre(tables)
+    if senses.light_gamma != 1.0:
+        lit, dark = _through_response(lit * senses.lamp_intensity, dark, tables, senses)
+    return replace(tables, ls_counts=np.ascontiguousarray(lit, dtype=np.float32), ls_dark=dark)
+
+
+def _law_ratio(tables: Tables, senses: Senses, geometry: LampGeometry) -> FloatArray:
+    """(distances, bearings): light under the changed law over light under the captured one."""
+    distances, bearings = tables.ls_counts.shape
+    r = tables.ls_range * np.linspace(0.0, 1.0, distances)[:, np.newaxis] ** 2
+    bearing = -math.pi + 2.0 * math.pi * np.arange(bearings) / bearings
+    rim = geometry.body_radius
+    across = r**2 + rim**2 - 2.0 * r * rim * np.cos(bearing)  # squared: sensor at the rim to lamp
+    captured = np.sqrt(across + (geometry.lamp_height - geometry.sensor_height) ** 2)
+    height = geometry.lamp_height if senses.lamp_height is None else senses.lamp_height
+    changed = np.sqrt(across + (height - geometry.sensor_height) ** 2)
+    # the cosine's distance and the law's: 1 + 2 powers as captured
+    ratio: FloatArray = captured**3.0 / changed ** (1.0 + senses.light_exponent)
+    return ratio
+
+
+def _facing_at_half_a_metre(tables: Tables) -> float:
+    """counts below dark of a sensor that faces the lamp from 0.5 m, as captured."""
+    distances, bearings = tables.ls_counts.shape
+    nodes = tables.ls_range * np.linspace(0.0, 1.0, distances) ** 2
+    return float(np.interp(0.5, nodes, tables.ls_counts[:, bearings // 2]))
+
+
+def _through_response(
+    lit: FloatArray, dark: float, tables: Tables, senses: Senses
+) -> tuple[FloatArray, float]:
+    """Counts below dark, and dark, of sensors whose response is a power of the light."""
+    full = tables.counts_max
+
+    def response(light: FloatArray | float) -> FloatArray:
+        share = np.clip(np.asarray(light) / full, 0.0, None)
+        answer: FloatArray = full * share**senses.light_gamma
+        return answer
+
+    room = float(response(full - dark))
+    return response(full - dark + lit) - room, full - room
