@@ -5,6 +5,7 @@ What is not a measurement stays unread: of a run's directory only `samples.parqu
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -220,8 +221,8 @@ def _check_time(t: FloatArray, start: npt.NDArray[np.int64], segments: pd.DataFr
     raise InputError(field, seen, "increasing time: sort the rows by t, keep one row per time")
 
 
-def write_table(frame: pd.DataFrame, path: Path) -> None:
-    """Write a log's table as Parquet, with each column's unit in its field's metadata, or as CSV.
+def write_table(frame: pd.DataFrame, path: Path, units: Mapping[str, str] = UNITS) -> None:
+    """Write a table as Parquet, with each column's unit in its field's metadata, or as CSV.
 
     Raises:
         InputError: the name ends in neither.
@@ -230,7 +231,9 @@ def write_table(frame: pd.DataFrame, path: Path) -> None:
         frame.to_csv(path, index=False)
     elif path.suffix == ".parquet":
         table = pa.Table.from_pandas(frame, preserve_index=False)
-        fields = [field.with_metadata({"unit": UNITS[field.name]}) for field in table.schema]
+        fields = [
+            field.with_metadata({"unit": units.get(field.name, "")}) for field in table.schema
+        ]
         pq.write_table(table.cast(pa.schema(fields, metadata=table.schema.metadata)), path)
     else:
         raise InputError("--out", path.name, "a file ending in .parquet or .csv")

@@ -7,13 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-import pyarrow as pa
-import pyarrow.parquet as pq
 
 from models.flips import Map
 from models.gap import LEVEL, Gap
 from models.horizons import COLUMNS
-from models.log import MeasuredLog
+from models.log import MeasuredLog, write_table
 from models.motion_gap import UNITS
 from models.noise import pose_noise
 from models.shares import Share, explained
@@ -40,9 +38,9 @@ def write_gap(
     """
     report = describe(log, gap, name=name, coevolution=coevolution)
     for table, frame, units in _tables(log, gap):
-        _write(frame, units, out / f"{table}.parquet")
+        write_table(frame, out / f"{table}.parquet", units)
     if coevolution is not None:
-        _write(coevolution.table, coevolution.units, out / "coevolution.parquet")
+        write_table(coevolution.table, out / "coevolution.parquet", coevolution.units)
     draw_figures(log, gap, out, coevolution)
     _write_json(report, out)
     return report
@@ -51,7 +49,7 @@ def write_gap(
 def write_coevolution(found: CoevolutionGap, out: Path) -> dict[str, Any]:
     """The report of a directory that has generations but no samples: the gap in fitness alone."""
     report = {"schema": SCHEMA, "coevolution": found.report, "summary": [fitness_line(found)]}
-    _write(found.table, found.units, out / "coevolution.parquet")
+    write_table(found.table, out / "coevolution.parquet", found.units)
     draw_coevolution(found, out)
     _write_json(report, out)
     return report
@@ -214,10 +212,3 @@ def _write_json(report: dict[str, Any], out: Path) -> None:
     """`gap.json`."""
     text = json.dumps(report, indent=1, allow_nan=False)
     (out / "gap.json").write_text(text + "\n", encoding="utf-8")
-
-
-def _write(frame: pd.DataFrame, units: dict[str, str], path: Path) -> None:
-    """Parquet with each column's unit in its field's metadata."""
-    table = pa.Table.from_pandas(frame, preserve_index=False)
-    fields = [field.with_metadata({"unit": units.get(field.name, "")}) for field in table.schema]
-    pq.write_table(table.cast(pa.schema(fields, metadata=table.schema.metadata)), path)
