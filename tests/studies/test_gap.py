@@ -7,6 +7,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from embedded_sim import InputError
+from studies.cli import app
 from studies.coevolution_gap import coevolution_gap, read_generations
 from tests.helpers import realitygap
 from tests.models.small import driven_log, shared_data
@@ -94,7 +95,8 @@ def test_gap_writes_its_report_and_says_it_in_ten_lines(tmp_path):
 def test_the_same_log_gives_the_same_report(tmp_path):
     driven_log(1, rows=400).to_csv(tmp_path / "log.csv", index=False)
     for name in ("a", "b"):
-        realitygap("gap", tmp_path / "log.csv", "--out", tmp_path / name)
+        words = ["gap", tmp_path / "log.csv", "--out", tmp_path / name, "--quiet"]
+        app([str(word) for word in words], standalone_mode=False)
     for path in (tmp_path / "a").iterdir():
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
 
@@ -130,10 +132,9 @@ def test_bad_input_is_one_line_and_leaves_nothing(tmp_path, words):
     (tmp_path / "empty").mkdir()
     before = sorted(tmp_path.iterdir())
     paths = {"none.csv", "log.csv", "degrees.csv", "empty", "out", "out.csv", "out.txt"}
-    done = realitygap(*[tmp_path / word if word in paths else word for word in words])
-    assert done.returncode == 2, done.stderr
-    assert done.stderr.count("\n") == 1
-    assert done.stderr.startswith("realitygap: ")
+    with pytest.raises(InputError) as refusal:
+        app([str(tmp_path / w) if w in paths else w for w in words], standalone_mode=False)
+    assert "\n" not in str(refusal.value)
     assert sorted(tmp_path.iterdir()) == before
 
 
