@@ -1,0 +1,78 @@
+"""A battery from beginning to end: the trials that are missing, then the scores and the page."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+from studies.blind.directory import BlindDirectory
+from studies.blind.record import COMMAND, Task, run_trial
+from studies.blind.report import write_report
+from studies.blind.summary import summarise
+from studies.blind.trials import BlindConfig, plan
+from studies.execution import Workers, completed
+from studies.output import whole_file
+from studies.progress import Progress
+from studies.provenance import write_json
+
+
+class TrialsFailed(RuntimeError):
+    """Some trials could not be recorded; the others are kept."""
+
+
+def run_battery(
+    config: BlindConfig,
+    out: Path,
+    workers: Workers,
+    *,
+    quiet: bool = False,
+    command: tuple[str, ...] = COMMAND,
+) -> dict[str, Any]:
+    """Run or resume a battery in `out`; returns the content of `blind.json`.
+
+    Args:
+        config: Which trials.
+        out: The battery's directory.
+        workers: Where trials run; each records and has its log diagnosed.
+        quiet: Say nothing.
+        command: What diagnoses a log, given its name and `--out`.
+
+    Raises:
+        InputError: `out` cannot be used.
+        TrialsFailed: trials raised errors of their own; a failed diagnosis is a result.
+        WorkersLost: workers keep dying.
+    """
+    with BlindDirectory(out, config, plan(config)).held() as directory:
+        _execute(directory, workers, quiet, command)
+        summary = summarise(directory)
+        with whole_file(out / "blind.json", force=True) as part:
+            write_json(part, summary)
+        write_report(directory, summary)
+    return summary
+
+
+def _execute(
+    directory: BlindDirectory, workers: Workers, quiet: bool, command: tuple[str, ...]
+) -> None:
+    """Do the trials that are missing."""
+    tasks = [Task(trial, command) for trial in directory.pending()]
+    if not tasks:
+        return
+    failures = []
+    total = sum(task.trial.seconds for task in tasks)
+    done = 0.0
+    with (
+        Progress("trials", total, quiet) as shown,
+        closing(completed(run_trial, tasks, workers, note=shown.say)) as finished,
+    ):
+        for one in finished:
+            trial = one.task.trial
+            done += trial.seconds
+            if one.value is None:
+                failures.append(f"trial {trial.name}: {one.error}")
+            else:
+                directory.keep(trial, one.value)
+            shown.reach(done)
+    if failures:
+        raise TrialsFailed(f"{len(failures)} trials failed, first {failures[0]}")

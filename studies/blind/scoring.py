@@ -1,0 +1,150 @@
+"""What a diagnosis is worth, once what was hidden is known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from studies.blind.trials import Hidden, Trial
+
+MOST = 0.8
+"""Of the robots: naming a swarm-wide cause for so many of them is naming it; our choice."""
+
+
+@dataclass(frozen=True)
+class Named:
+    """A cause that a diagnosis names."""
+
+    name: str
+    robots: frozenset[int]
+    swarm: bool
+    """Named for the whole swarm."""
+    rivals: tuple[str, ...]
+    """Others that the data cannot tell from it; the name is then only a candidate."""
+    parameters: Mapping[str, Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Score:
+    """One trial's result."""
+
+    verdict: str
+    """Of the diagnosis, or `failed`."""
+    right: tuple[bool, ...]
+    """Per hidden effect: named, for the robots that have it."""
+    among: tuple[bool, ...]
+    """Per hidden effect: not named, but among the candidates of an ambiguous cause."""
+    wrong: tuple[str, ...]
+    """Names given that are not what any of their robots has."""
+    healthy: int
+    """Robots with nothing hidden in them or in all."""
+    accused: int
+    """Of these, those that a cause is named for."""
+    inside: tuple[bool, ...]
+    """Per parameter of a rightly named effect: its interval holds the truth."""
+
+    @property
+    def exact(self) -> bool:
+        """Everything named, and nothing else."""
+        return all(self.right) and not self.wrong and not self.accused
+
+
+def score(trial: Trial, diagnosis: Mapping[str, Any] | None) -> Score:
+    """Compare a diagnosis with what was hidden; no diagnosis counts as one that says nothing."""
+    robots = trial.run.robots
+    verdict = "failed" if diagnosis is None else str(diagnosis["verdict"])
+    causes = [] if diagnosis is None else named(diagnosis, robots)
+    right, among = [], []
+    inside: list[bool] = []
+    for one in trial.hidden:
+        found = next((c for c in causes if _right(one, c, robots)), None)
+        right.append(found is not None)
+        among.append(found is None and any(_among(one, c) for c in causes))
+        if found is not None:
+            inside += _inside(one, found)
+    affected = {robot for one in trial.hidden for robot in one.robots}
+    everywhere = any(not one.robots for one in trial.hidden)
+    healthy = set() if everywhere else set(range(robots)) - affected
+    accused = {robot for cause in causes for robot in cause.robots if robot in healthy}
+    return Score(
+        verdict=verdict,
+        right=tuple(right),
+        among=tuple(among),
+        wrong=tuple(c.name for c in causes if not any(_true(one, c) for one in trial.hidden)),
+        healthy=len(healthy),
+        accused=len(accused),
+        inside=tuple(inside),
+    )
+
+
+def named(diagnosis: Mapping[str, Any], robots: int) -> list[Named]:
+    """The causes of a `diagnosis.json`, with their rivals unless the verdict is `named`."""
+    certain = diagnosis["verdict"] == "named"
+    causes = []
+    for cause in diagnosis["causes"]:
+        swarm = cause["robots"] == "all"
+        rivals = () if certain else cause.get("alternatives", ())
+        causes.append(
+            Named(
+                name=str(cause["name"]),
+                robots=frozenset(range(robots) if swarm else cause["robots"]),
+                swarm=swarm,
+                rivals=tuple(str(name) for name in rivals),
+                parameters=cause["parameters"],
+            )
+        )
+    return causes
+
+
+def outcome(trial: Trial, result: Score) -> str:
+    """One word for a trial with at most one effect: a name, or the verdict that gives none."""
+    if trial.hidden and result.right[0] and not result.wrong:
+        return trial.hidden[0].name
+    if result.wrong:
+        return result.wrong[0]
+    return "ambiguous" if any(result.among) else result.verdict
+
+
+def _right(one: Hidden, cause: Named, robots: int) -> bool:
+    """Named, unambiguously, for the robots that have it and no others."""
+    if cause.rivals or cause.name != one.name or not _same_words(one, cause):
+        return False
+    if one.robots:
+        return cause.robots == set(one.robots)
+    return cause.swarm or len(cause.robots) >= MOST * robots
+
+
+def _among(one: Hidden, cause: Named) -> bool:
+    """One of the candidates for a robot that has it."""
+    return one.name in (cause.name, *cause.rivals) and _touches(one, cause)
+
+
+def _true(one: Hidden, cause: Named) -> bool:
+    """No lie: the effect, or a class that holds it, of robots that have it."""
+    if cause.swarm and one.robots:
+        return False
+    return _among(one, cause) and (cause.name != one.name or _same_words(one, cause))
+
+
+def _touches(one: Hidden, cause: Named) -> bool:
+    return not one.robots or bool(cause.robots & set(one.robots))
+
+
+def _same_words(one: Hidden, cause: Named) -> bool:
+    """Which wheel or sensor, where the diagnosis says so."""
+    return all(
+        str(cause.parameters[key]["value"]) == value
+        for key, value in one.values.items()
+        if isinstance(value, str) and key in cause.parameters
+    )
+
+
+def _inside(one: Hidden, cause: Named) -> Sequence[bool]:
+    """Whether the intervals of the numbers hold what was hidden."""
+    numbers = {key: value for key, value in one.values.items() if isinstance(value, float)}
+    return [
+        float(cause.parameters[key]["low"]) <= value <= float(cause.parameters[key]["high"])
+        for key, value in numbers.items()
+        if key in cause.parameters and cause.parameters[key].get("low") is not None
+    ]

@@ -1,0 +1,179 @@
+"""`blind.json`: every score of a battery, from its trials."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from studies.blind.directory import BlindDirectory
+from studies.blind.limits import LENGTH, detection_limit, share
+from studies.blind.menu import MENU
+from studies.blind.scoring import Score, outcome, score
+from studies.blind.trials import Trial
+from studies.provenance import versions
+
+SCHEMA = 1
+ABSTAINED = ("ambiguous", "unexplained", "nothing_wrong", "failed")
+"""Outcomes that give no name."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """A trial, its score, and what it took."""
+
+    trial: Trial
+    score: Score
+    error: str | None
+    seconds: float
+    """Wall time of the diagnosis."""
+
+
+def results(directory: BlindDirectory) -> list[Result]:
+    """All finished trials, scored."""
+    return [
+        Result(trial, score(trial, a["diagnosis"]), a["error"], float(a["diagnose_seconds"]))
+        for trial, a in directory.answers()
+    ]
+
+
+def summarise(directory: BlindDirectory) -> dict[str, Any]:
+    """The content of `blind.json`."""
+    done = results(directory)
+    singles = [r for r in done if r.trial.kind == "single"]
+    pairs = [r for r in done if r.trial.kind == "pair"]
+    healthy = [r for r in done if r.trial.kind == "healthy"]
+    names = [name for name in MENU if name in directory.config.effects]
+    return {
+        "schema": SCHEMA,
+        "config": directory.config.model_dump(mode="json"),
+        "versions": versions(),
+        "trials": len(done),
+        "failed": [f"{r.trial.name}: {r.error}" for r in done if r.error],
+        "diagnose_seconds": _times(done),
+        "healthy_runs": {
+            "robots_accused": share(
+                sum(r.score.accused for r in healthy), sum(r.score.healthy for r in healthy)
+            ),
+            "unexplained": _share(r.score.verdict == "unexplained" for r in healthy),
+            "nothing_wrong": _share(r.score.verdict == "nothing_wrong" for r in healthy),
+        },
+        "healthy_robots_accused": share(
+            sum(r.score.accused for r in done), sum(r.score.healthy for r in done)
+        ),
+        "wrong_names": _wrong(done),
+        "coverage": _share(inside for r in done for inside in r.score.inside),
+        "confusion": _confusion(names, singles, healthy),
+        "effects": {name: _effect(name, singles, directory.config.seed) for name in names},
+        "pairs": {
+            "exact": _share(r.score.exact for r in pairs),
+            "by_pair": {
+                " + ".join(key): _share(r.score.exact for r in pairs if _names(r) == key)
+                for key in sorted({_names(r) for r in pairs})
+            },
+        },
+    }
+
+
+def _share(flags: Any) -> dict[str, float | int | None]:
+    found = [bool(flag) for flag in flags]
+    return share(sum(found), len(found))
+
+
+def _names(result: Result) -> tuple[str, ...]:
+    return tuple(sorted(one.name for one in result.trial.hidden))
+
+
+def _times(done: Sequence[Result]) -> dict[str, float] | None:
+    if not done:
+        return None
+    seconds = [r.seconds for r in done]
+    return {"median": round(float(np.median(seconds)), 2), "largest": round(max(seconds), 2)}
+
+
+def _wrong(done: Sequence[Result]) -> dict[str, Any]:
+    """Names given that are not true, among all names given, and which."""
+    right = sum(sum(r.score.right) for r in done)
+    wrong = [(r, name) for r in done for name in r.score.wrong]
+    return {
+        **share(len(wrong), right + len(wrong)),
+        "which": [f"{r.trial.name}: {name} for {_told(r)}" for r, name in wrong],
+    }
+
+
+def _told(result: Result) -> str:
+    """What was hidden, in words."""
+    hidden = result.trial.hidden
+    return " and ".join(f"{one.name} at {one.multiple:.2g} bars" for one in hidden) or "nothing"
+
+
+def _confusion(
+    names: Sequence[str], singles: Sequence[Result], healthy: Sequence[Result]
+) -> dict[str, dict[str, int]]:
+    """Rows: what was hidden; columns: what was answered."""
+    rows: dict[str, Counter[str]] = {name: Counter() for name in names}
+    rows["nothing"] = Counter()
+    for r in (*singles, *healthy):
+        rows[r.trial.hidden[0].name if r.trial.hidden else "nothing"][
+            outcome(r.trial, r.score)
+        ] += 1
+    return {name: dict(sorted(row.items())) for name, row in rows.items()}
+
+
+def _effect(name: str, singles: Sequence[Result], seed: int) -> dict[str, Any]:
+    """How one effect fares: in a robot (or the place), and in the whole swarm."""
+    entry = MENU[name]
+    mine = [r for r in singles if r.trial.hidden[0].name == name]
+    swarm_bar = entry.swarm_bar
+    alone = [r for r in mine if r.trial.hidden[0].robots or not swarm_bar]
+    swarm = [r for r in mine if not r.trial.hidden[0].robots and swarm_bar]
+    found = {"unit": entry.unit, "bar": entry.bar, **_scores(alone, entry.bar, seed)}
+    if swarm:
+        found["whole_swarm"] = {"bar": swarm_bar, **_scores(swarm, swarm_bar, seed)}
+    return found
+
+
+def _scores(mine: Sequence[Result], bar: float, seed: int) -> dict[str, Any]:
+    """Shares over all sizes, at and above the bar, and the limit."""
+    hidden = [r.trial.hidden[0] for r in mine]
+    right = [r.score.right[0] for r in mine]
+    strong = [
+        hit
+        for hit, one, r in zip(right, hidden, mine, strict=True)
+        if one.multiple >= 0.999 and r.trial.seconds >= LENGTH
+    ]
+    found: dict[str, Any] = {
+        "named": _share(right),
+        "named_from_bar_on": _share(strong),
+        "ambiguous": _share(any(r.score.among) for r in mine),
+        "abstained": _share(outcome(r.trial, r.score) in ABSTAINED for r in mine),
+        "wrong": _share(bool(r.score.wrong) for r in mine),
+        "coverage": _share(inside for r in mine for inside in r.score.inside),
+        "limit": None,
+    }
+    if bar and len({one.multiple for one in hidden}) > 1:
+        found["limit"] = _limit(mine, bar, seed)
+    return found
+
+
+def _limit(mine: Sequence[Result], bar: float, seed: int) -> dict[str, Any] | None:
+    """Size named in 95 % of trials, in the effect's unit."""
+    limit = detection_limit(
+        [r.trial.hidden[0].multiple for r in mine],
+        [r.trial.seconds for r in mine],
+        [r.score.right[0] for r in mine],
+        np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(len(mine), 1))),
+    )
+    if limit is None:
+        return None
+    return {
+        "value": round(bar * limit.value, 8),
+        "low": round(bar * limit.low, 8),
+        "high": round(bar * limit.high, 8),
+        "seconds": LENGTH,
+        "per_doubling_of_the_log": round(limit.per_doubling, 3),
+        "beyond_sizes_tried": limit.beyond,
+    }

@@ -1,0 +1,204 @@
+"""The plan of a battery: what is hidden in which run, a function of the seed alone.
+
+A trial's draw depends on the seed and its number, so that more trials extend a battery.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from embedded_sim.errors import InputError, nearest
+from reality.effects import catalogue
+from studies.blind.menu import MENU, Entry, Value
+from studies.experiment import Case, Controller, RunConfig
+
+Kind = Literal["healthy", "single", "pair"]
+ROUND: tuple[Kind, ...] = ("single", "healthy", "single", "single", "pair", "single", "single")
+"""Kinds in turn; our choice: most trials go to the limits, a seventh each to healthy and pairs."""
+SECONDS = (120.0, 120.0, 120.0, 60.0, 240.0)
+"""s of log, drawn evenly; 120 s is what the bars are stated for."""
+SPAN = 4.0
+"""Sizes are log-uniform from bar / SPAN to bar * SPAN."""
+SWARM_SHARE = 0.2
+"""Of the trials of an effect that the whole swarm can have."""
+SAME_ROBOT = 0.5
+"""Of the pairs in which one robot has both."""
+GOLDEN = 0.6180339887498949
+"""Steps by it spread any number of sizes evenly."""
+CONTROLLERS: tuple[Controller, ...] = ("coevolution", "search")
+CASES: tuple[Case, ...] = ("light-at-nest", "light-opposite-nest", "no-light")
+LIT = CASES[:2]
+
+
+class BlindConfig(BaseModel):
+    """What a battery is."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    trials: Annotated[int, Field(ge=1, le=100_000)] = 200
+    seed: Annotated[int, Field(ge=0)] = 0
+    robots: Annotated[int, Field(ge=3, le=100)] = 10
+    effects: tuple[str, ...] = ()
+    """To draw from; none: a battery of healthy runs."""
+    at_bars: bool = False
+    """Hide every effect exactly at its bar, in one robot, for 120 s."""
+    pairs: bool = True
+    """Hide two effects at once in some trials."""
+    seconds: Annotated[tuple[float, ...], Field(min_length=1)] = SECONDS
+    """s of log, drawn evenly; the first at the bars."""
+
+
+def blind_config(**values: Any) -> BlindConfig:
+    """A battery's configuration.
+
+    Raises:
+        InputError: the first value that cannot be used.
+    """
+    for name in values.get("effects", ()):
+        if name not in MENU:
+            raise InputError("--only", repr(name), nearest(name, MENU))
+    try:
+        return BlindConfig(**values)
+    except ValidationError as error:
+        first = error.errors()[0]
+        field = ".".join(str(part) for part in first["loc"])
+        expected = first["msg"].removeprefix("Input should be ")
+        raise InputError(f"--{field}", first["input"], f"a value {expected}") from None
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """One effect as it is hidden in a trial."""
+
+    name: str
+    values: dict[str, Value]
+    robots: tuple[int, ...]
+    """Empty: the whole swarm, or the place."""
+    size: float
+    """In the unit of its menu entry; 0 where it has none."""
+    multiple: float
+    """Size over the bar that applies; 1 where there is no size."""
+
+    @property
+    def spec(self) -> str:
+        """As `--effect` takes it."""
+        items = [f"{key}={value}" for key, value in self.values.items()]
+        items += [f"robot={robot}" for robot in self.robots]
+        return f"{self.name}:" + ",".join(items)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One run of the battery."""
+
+    index: int
+    kind: Kind
+    seconds: float
+    run: RunConfig
+    hidden: tuple[Hidden, ...]
+
+    @property
+    def name(self) -> str:
+        """Of its file."""
+        return f"{self.index:05d}"
+
+    def notes(self) -> dict[str, Any]:
+        """As JSON."""
+        return {
+            "index": self.index,
+            "kind": self.kind,
+            "seconds": self.seconds,
+            "case": self.run.case,
+            "controller": self.run.controller,
+            "seed": self.run.seed,
+            "hidden": [asdict(one) for one in self.hidden],
+        }
+
+
+def plan(config: BlindConfig) -> tuple[Trial, ...]:
+    """Every trial of a battery."""
+    drawn: Counter[str] = Counter()
+    singles = 0
+    trials = []
+    for index in range(config.trials):
+        random = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(index,)))
+        kind = _kind(config, index)
+        if kind == "single":
+            names = [config.effects[singles % len(config.effects)]]
+            singles += 1
+        else:
+            names = _pair(config, random) if kind == "pair" else []
+        hidden = _hide(config, names, drawn, random)
+        drawn.update(names)
+        trials.append(_trial(config, index, kind, hidden, random))
+    return tuple(trials)
+
+
+def _kind(config: BlindConfig, index: int) -> Kind:
+    if not config.effects:
+        return "healthy"
+    if config.at_bars:
+        return "single"
+    kind = ROUND[index % len(ROUND)]
+    return "single" if kind == "pair" and not (config.pairs and len(config.effects) > 1) else kind
+
+
+def _pair(config: BlindConfig, random: np.random.Generator) -> list[str]:
+    return [str(name) for name in random.choice(config.effects, 2, replace=False)]
+
+
+def _hide(
+    config: BlindConfig, names: Sequence[str], drawn: Counter[str], random: np.random.Generator
+) -> tuple[Hidden, ...]:
+    """Robots and sizes for the effects of a trial."""
+    first, second = random.choice(config.robots, 2, replace=False).tolist()
+    robots = [first, first if random.random() < SAME_ROBOT else second]
+    hidden = []
+    for name, robot in zip(names, robots, strict=False):
+        entry = MENU[name]
+        swarm = bool(entry.swarm_bar) and not config.at_bars and random.random() < SWARM_SHARE
+        bar = entry.swarm_bar if swarm else entry.bar
+        size = _size(config, entry, bar, drawn[name], len(names))
+        values = {
+            key: float(value) if isinstance(value, int | float) else str(value)
+            for key, value in entry.values(size, random).items()
+        }
+        everyone = swarm or not catalogue()[name].per_robot
+        multiple = size / bar if bar else 1.0
+        hidden.append(Hidden(name, values, () if everyone else (robot,), size, multiple))
+    return tuple(hidden)
+
+
+def _size(config: BlindConfig, entry: Entry, bar: float, count: int, together: int) -> float:
+    """The next size of an effect; two together are both above the bar."""
+    if config.at_bars or not bar:
+        return bar
+    offset = (config.seed * GOLDEN + 0.5) % 1.0
+    share = (offset + count * GOLDEN) % 1.0
+    multiple = SPAN ** (2.0 * share - 1.0) if together == 1 else 1.5 * SPAN ** (0.5 * share)
+    return float(min(bar * multiple, entry.largest))
+
+
+def _trial(
+    config: BlindConfig,
+    index: int,
+    kind: Kind,
+    hidden: tuple[Hidden, ...],
+    random: np.random.Generator,
+) -> Trial:
+    seconds = config.seconds[0] if config.at_bars else float(random.choice(config.seconds))
+    lit = any(MENU[one.name].lit for one in hidden)
+    run = RunConfig(
+        case=LIT[random.integers(len(LIT))] if lit else CASES[random.integers(len(CASES))],
+        controller=CONTROLLERS[random.integers(len(CONTROLLERS))],
+        minutes=seconds / 60.0,
+        robots=config.robots,
+        seed=int(random.integers(2**31)),
+    )
+    return Trial(index, kind, seconds, run, hidden)

@@ -1,0 +1,258 @@
+"""The battery draws, scores and resumes as it says; a stub stands in for the diagnosis."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from embedded_sim import InputError
+from reality.effects import catalogue, parse_effects
+from studies.blind.battery import run_battery
+from studies.blind.limits import detection_limit, share
+from studies.blind.menu import MENU
+from studies.blind.scoring import Score, outcome, score
+from studies.blind.trials import Hidden, Trial, blind_config, plan
+from studies.execution import Workers
+from studies.experiment import RunConfig
+
+STUB = (sys.executable, str(Path(__file__).with_name("stub.py")))
+SMALL = {"effects": ("ls_dead_sensor", "command_latency"), "robots": 3, "seconds": (2.0,)}
+
+
+def trial(*hidden: Hidden, robots: int = 10) -> Trial:
+    kind = "healthy" if not hidden else "single" if len(hidden) == 1 else "pair"
+    return Trial(0, kind, 120.0, RunConfig(robots=robots), hidden)
+
+
+def scaled(*robots: int) -> Hidden:
+    return Hidden("wheel_radius_scale", {"scale": 1.02}, robots, 0.02, 2.0)
+
+
+def answer(
+    verdict: str, *causes: tuple[str, Any, tuple[float, float]], rivals: tuple[str, ...] = ()
+) -> dict[str, Any]:
+    return {
+        "verdict": verdict,
+        "causes": [
+            {
+                "name": name,
+                "robots": robots,
+                "parameters": {"scale": {"value": low, "low": low, "high": high, "unit": "1"}},
+                "evidence": {},
+                "alternatives": list(rivals),
+            }
+            for name, robots, (low, high) in causes
+        ],
+    }
+
+
+IN, OUT = (1.01, 1.03), (1.03, 1.04)
+
+
+def test_the_menu_holds_every_effect_of_the_catalogue_and_only_valid_values() -> None:
+    assert set(MENU) == set(catalogue())
+    random = np.random.default_rng(1)
+    for name, entry in MENU.items():
+        for multiple in (0.25, 1.0, 4.0):
+            size = min(entry.bar * multiple, entry.largest)
+            hidden = Hidden(name, dict(entry.values(size, random)), (), size, multiple)
+            assert parse_effects((hidden.spec,), 10)[0].effect.name == name
+
+
+def test_more_trials_extend_a_battery_and_another_seed_is_another_battery() -> None:
+    effects = ("motor_lag", "wheel_separation", "lamp_moved")
+    short, long = (plan(blind_config(trials=n, seed=4, effects=effects)) for n in (20, 50))
+    assert long[:20] == short
+    assert plan(blind_config(trials=20, seed=5, effects=effects)) != short
+
+
+def test_sizes_surround_the_bar_and_pairs_exceed_it() -> None:
+    trials = plan(blind_config(trials=300, seed=4, effects=("motor_lag", "wheel_separation")))
+    single = [t.hidden[0].multiple for t in trials if t.kind == "single"]
+    assert min(single) < 0.27
+    assert max(single) > 3.7
+    assert 0.8 < np.median(single) < 1.25
+    assert min(h.multiple for t in trials if t.kind == "pair" for h in t.hidden) >= 1.5
+    assert {len(t.hidden) for t in trials if t.kind == "healthy"} == {0}
+
+
+def test_what_needs_a_lamp_is_hidden_where_one_is_lit() -> None:
+    trials = plan(blind_config(trials=60, effects=("lamp_height",)))
+    assert {t.run.case for t in trials if t.hidden} == {"light-at-nest", "light-opposite-nest"}
+
+
+def test_at_the_bars_every_trial_hides_one_effect_exactly_at_its_bar_in_one_robot() -> None:
+    trials = plan(blind_config(trials=30, effects=("command_latency",), at_bars=True))
+    assert {t.hidden[0].values["seconds"] for t in trials} == {0.040}
+    assert {len(t.hidden[0].robots) for t in trials} == {1}
+    assert {t.seconds for t in trials} == {120.0}
+
+
+def test_an_unknown_effect_is_refused_with_the_nearest() -> None:
+    with pytest.raises(InputError, match=re.escape("did you mean motor_lag?")):
+        blind_config(effects=("motor_lagg",))
+
+
+@pytest.mark.parametrize(
+    ("hidden", "said", "expected", "word"),
+    [
+        (scaled(3), answer("named", ("wheel_radius_scale", [3], IN)),
+         Score("named", (True,), (False,), (), 9, 0, (True,)), "wheel_radius_scale"),
+        (scaled(3), answer("named", ("wheel_radius_scale", [3], OUT)),
+         Score("named", (True,), (False,), (), 9, 0, (False,)), "wheel_radius_scale"),
+        (scaled(3), answer("nothing_wrong"),
+         Score("nothing_wrong", (False,), (False,), (), 9, 0, ()), "nothing_wrong"),
+        (scaled(3), answer("named", ("speed_droop", [3], IN)),
+         Score("named", (False,), (False,), ("speed_droop",), 9, 0, ()), "speed_droop"),
+        (scaled(3), answer("named", ("wheel_radius_scale", [4], IN)),
+         Score("named", (False,), (False,), ("wheel_radius_scale",), 9, 1, ()),
+         "wheel_radius_scale"),
+        (scaled(3), answer("named", ("wheel_radius_scale", "all", IN)),
+         Score("named", (False,), (True,), ("wheel_radius_scale",), 9, 9, ()),
+         "wheel_radius_scale"),
+        (scaled(3), answer("ambiguous", ("speed_droop", [3], IN), rivals=("wheel_radius_scale",)),
+         Score("ambiguous", (False,), (True,), (), 9, 0, ()), "ambiguous"),
+        (scaled(3), answer("ambiguous", ("speed_droop", [3], IN), rivals=("motor_lag",)),
+         Score("ambiguous", (False,), (False,), ("speed_droop",), 9, 0, ()), "speed_droop"),
+        (scaled(), answer("named", ("wheel_radius_scale", "all", IN)),
+         Score("named", (True,), (False,), (), 0, 0, (True,)), "wheel_radius_scale"),
+        (scaled(), answer("named", ("wheel_radius_scale", [1, 2], IN)),
+         Score("named", (False,), (True,), (), 0, 0, ()), "ambiguous"),
+        (scaled(3), None, Score("failed", (False,), (False,), (), 9, 0, ()), "failed"),
+    ],
+)  # fmt: skip
+def test_a_diagnosis_is_scored_by_name_robots_and_interval(
+    hidden: Hidden, said: dict[str, Any] | None, expected: Score, word: str
+) -> None:
+    one = trial(hidden)
+    assert score(one, said) == expected
+    assert outcome(one, expected) == word
+
+
+def test_the_right_name_for_the_other_wheel_is_wrong() -> None:
+    left = Hidden("motor_saturation", {"limit": 4.0, "wheel": "left"}, (3,), 0.36, 3.6)
+    said = answer("named", ("motor_saturation", [3], IN))
+    said["causes"][0]["parameters"] = {"wheel": {"value": "right", "unit": "word"}}
+    assert score(trial(left), said).wrong == ("motor_saturation",)
+    said["causes"][0]["parameters"]["wheel"]["value"] = "left"
+    assert score(trial(left), said).right == (True,)
+
+
+def test_a_name_on_a_healthy_run_is_wrong_and_accuses_its_robots() -> None:
+    found = score(trial(), answer("named", ("motor_lag", [2], IN), ("motor_lag", [5], IN)))
+    assert (found.wrong, found.accused, found.healthy) == (("motor_lag", "motor_lag"), 2, 10)
+
+
+def test_a_pair_is_exact_when_both_are_named_and_nothing_else() -> None:
+    both = trial(scaled(3), Hidden("motor_lag", {"time_constant": 0.1}, (4,), 0.1, 4.0))
+    right = (("wheel_radius_scale", [3], IN), ("motor_lag", [4], IN))
+    assert score(both, answer("named", *right)).exact
+    assert not score(both, answer("named", right[0])).exact
+    assert not score(both, answer("named", *right, ("speed_droop", [3], IN))).exact
+
+
+def named_with(limit: float, seconds: float, random: np.random.Generator) -> tuple[float, bool]:
+    """A trial of a diagnosis that names 95 % at a limit that falls with the root of the length."""
+    multiple = 4.0 ** random.uniform(-1.0, 1.0)
+    logit = 2.944 + 5.0 * np.log(multiple / (limit * (120.0 / seconds) ** 0.5))
+    return multiple, bool(random.random() < 1.0 / (1.0 + np.exp(-logit)))
+
+
+def test_a_limit_is_found_with_an_interval_that_holds_it() -> None:
+    random = np.random.default_rng(4)
+    seconds = random.choice([60.0, 120.0, 240.0], 400).tolist()
+    trials = [named_with(1.4, s, random) for s in seconds]
+    limit = detection_limit([m for m, _ in trials], seconds, [hit for _, hit in trials], random)
+    assert limit is not None
+    assert limit.low < 1.4 < limit.high
+    assert limit.high / limit.low < 2.0
+    assert limit.per_doubling == pytest.approx(2.0**-0.5, abs=0.15)
+    assert limit.beyond == ""
+
+
+def test_what_is_never_or_always_named_has_its_limit_beyond_the_sizes_tried() -> None:
+    multiples = np.geomspace(0.25, 4.0, 12).tolist()
+    random = np.random.default_rng(1)
+    never = detection_limit(multiples, [120.0] * 12, [False] * 12, random)
+    always = detection_limit(multiples, [120.0] * 12, [True] * 12, random)
+    assert never is not None
+    assert always is not None
+    assert (never.beyond, always.beyond) == ("above", "below")
+    assert detection_limit([1.0], [120.0], [True], random) is None
+
+
+def test_shares_carry_exact_intervals() -> None:
+    assert share(0, 0)["share"] is None
+    assert share(3, 100) == {"hits": 3, "trials": 100, "share": 0.03, "low": 0.0062, "high": 0.0852}
+
+
+@pytest.fixture(scope="module")
+def battery(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    out = tmp_path_factory.mktemp("blind") / "battery"
+    config = blind_config(trials=7, seed=2, **SMALL)
+    return out, run_battery(config, out, Workers(1), quiet=True, command=STUB)
+
+
+def test_a_battery_scores_what_a_process_with_the_log_alone_answered(
+    battery: tuple[Path, dict[str, Any]],
+) -> None:
+    out, summary = battery
+    assert summary["failed"] == []  # the stub refuses a directory with anything beside the log
+    assert summary["trials"] == 7
+    assert summary["confusion"]["nothing"] == {"nothing_wrong": 1}
+    assert summary["confusion"]["ls_dead_sensor"] == {"ls_dead_sensor": 3}
+    assert summary["confusion"]["command_latency"] == {"nothing_wrong": 2}
+    assert summary["wrong_names"]["hits"] == 0
+    assert json.loads((out / "blind.json").read_text()) == summary
+    page = (out / "report.html").read_text()
+    assert "data:image/png;base64" in page
+    assert "http" not in re.sub(r"http-equiv", "", page)
+
+
+def test_nothing_in_the_log_tells_what_was_hidden(tmp_path: Path) -> None:
+    from studies.experiment import simulate
+
+    hidden = Hidden("command_latency", {"seconds": 0.1234}, (1,), 0.1234, 3.0)
+    simulate(RunConfig(minutes=0.02, robots=3), (hidden.spec,), tmp_path)
+    for name in ("samples.parquet", "run.json"):
+        content = (tmp_path / name).read_bytes()
+        assert b"latency" not in content
+        assert b"0.1234" not in content
+    assert b"latency" in (tmp_path / "truth.json").read_bytes()
+
+
+def test_a_resumed_battery_repeats_nothing_and_may_grow(
+    battery: tuple[Path, dict[str, Any]],
+) -> None:
+    out, summary = battery
+    before = {path: path.stat().st_mtime_ns for path in (out / "trials").iterdir()}
+    grown = blind_config(trials=8, seed=2, **SMALL)
+    again = run_battery(grown, out, Workers(1), quiet=True, command=STUB)
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    assert again["trials"] == 8
+    fewer = blind_config(trials=7, seed=2, **SMALL)
+    assert run_battery(fewer, out, Workers(1), quiet=True, command=STUB) == summary
+
+
+def test_another_seed_is_refused_in_the_same_directory(
+    battery: tuple[Path, dict[str, Any]],
+) -> None:
+    with pytest.raises(InputError, match="seed 2 there, 3 now"):
+        run_battery(blind_config(trials=7, seed=3, **SMALL), battery[0], Workers(1), command=STUB)
+
+
+def test_a_diagnosis_that_fails_is_a_result_and_not_the_end(tmp_path: Path) -> None:
+    command = (sys.executable, "-c", "import sys; sys.exit('out of ideas')")
+    config = blind_config(trials=2, seed=2, **SMALL)
+    summary = run_battery(config, tmp_path / "b", Workers(1), quiet=True, command=command)
+    assert summary["failed"] == [
+        "00000: exit code 1: out of ideas",
+        "00001: exit code 1: out of ideas",
+    ]
+    assert summary["confusion"]["ls_dead_sensor"] == {"failed": 1}
