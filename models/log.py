@@ -72,17 +72,18 @@ class MeasuredLog:
         return np.repeat(np.arange(len(self.segments)), np.diff(self.start))
 
 
-def read_log(source: Path | str, *, drive: Drive) -> MeasuredLog:
+def read_log(source: Path | str, *, drive: Drive, fastest: float | None = None) -> MeasuredLog:
     """Read a log from a Parquet or CSV file, or from the directory of a run.
 
     Args:
         source: `.parquet`, `.csv`, `.csv.gz`, or a directory that holds `samples.parquet`.
         drive: The nominal geometry, which turns body commands into wheel speeds.
+        fastest: rad/s, most a wheel of this robot turns; commands far beyond are refused.
 
     Raises:
         InputError: the file cannot be read, or does not hold a usable log.
     """
-    return make_log(read_table(Path(source)), drive=drive)
+    return make_log(read_table(Path(source)), drive=drive, fastest=fastest)
 
 
 def read_table(path: Path) -> pd.DataFrame:
@@ -111,8 +112,8 @@ def read_table(path: Path) -> pd.DataFrame:
     raise InputError("log", path, "a file ending in .parquet, .csv or .csv.gz")
 
 
-def make_log(frame: pd.DataFrame, *, drive: Drive) -> MeasuredLog:
-    """A measured log from a table with the columns of `models.schema`.
+def make_log(frame: pd.DataFrame, *, drive: Drive, fastest: float | None = None) -> MeasuredLog:
+    """A measured log from a table with the columns of `models.schema`; arguments as `read_log`.
 
     Raises:
         InputError: as `read_log`.
@@ -144,12 +145,12 @@ def make_log(frame: pd.DataFrame, *, drive: Drive) -> MeasuredLog:
     if gaps:
         notes.append(f"{gaps} gaps in time: nothing is replayed across them")
     commands, poses = wheel_commands(usable, drive), usable[list(POSE)].to_numpy(dtype=np.float64)
-    check_units(t, poses, commands, start, drive=drive)
+    check_units(t, poses, commands, start, drive=drive, fastest=fastest)
     stretch = np.concatenate([[0], np.cumsum(breaks)])
     segment = np.repeat(np.arange(len(segments)), np.diff(start))
     names = [f"robot {r} in run {run}" for run, r in segments.itertuples(index=False)]
-    fastest = float(np.abs(0.5 * commands @ np.array(drive.wheel_radius)).max())
-    track = repair(poses, t, stretch, segment, names, fastest)
+    speed = float(np.abs(0.5 * commands @ np.array(drive.wheel_radius)).max())
+    track = repair(poses, t, stretch, segment, names, speed)
     return MeasuredLog(
         frame=usable,
         start=start,

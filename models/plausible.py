@@ -29,6 +29,8 @@ GOOD = 0.35
 """Disagreement (0: none, 1: unrelated) below which motion agrees. A motor at half speed: 0.33."""
 BETTER = 0.5
 """A mistake must halve the disagreement to be believed."""
+TOO_FAST = 10.0
+"""Times the fastest a wheel turns: beyond any other robot's motor, within any mistake of units."""
 STILL = (2e-3, 2e-2)
 """m, rad: a motion below this says nothing."""
 
@@ -101,6 +103,7 @@ def check_units(
     start: npt.NDArray[np.int64],
     *,
     drive: Drive,
+    fastest: float | None = None,
 ) -> None:
     """Refuse a log whose measured motion is explained by a mistake of units or signs.
 
@@ -110,6 +113,7 @@ def check_units(
         commands: (rows, 2) rad/s.
         start: (segments + 1,) first rows, and the row count.
         drive: The nominal motion model.
+        fastest: rad/s, most a wheel of this robot turns, if known.
 
     Raises:
         InputError: says what the numbers look like and what was expected.
@@ -121,6 +125,18 @@ def check_units(
     step = float(np.median(np.diff(t)[np.diff(t) > 0])) if (np.diff(t) > 0).any() else 1.0
     _check_step(step)
     _check_moving(poses, commands)
+    _check_mistakes(t, poses, commands, cut, drive)
+    _check_speed(commands, drive, fastest)
+
+
+def _check_mistakes(
+    t: FloatArray,
+    poses: FloatArray,
+    commands: FloatArray,
+    cut: npt.NDArray[np.int64],
+    drive: Drive,
+) -> None:
+    """Refuse a log that a usual mistake explains and that does not agree as it stands."""
     asis = _disagreement(t, poses, commands, cut, drive, Reading())
     if asis is None or asis <= GOOD:
         return
@@ -137,6 +153,18 @@ def check_units(
             "log",
             f"commands of {told} and measured motion of {went} ({mistake.seen})",
             mistake.fix,
+        )
+
+
+def _check_speed(commands: FloatArray, drive: Drive, fastest: float | None) -> None:
+    """Refuse commands no wheel could follow: measured and commanded in one wrong unit agree."""
+    told = float(np.quantile(np.abs(commands), 0.9))
+    if fastest is not None and told > TOO_FAST * fastest:
+        ground = told * sum(drive.wheel_radius) / 2
+        raise InputError(
+            "commands",
+            f"wheel speeds of {told:.3g} rad/s ({ground:.3g} m/s)",
+            f"at most {fastest:g} rad/s on this robot: are lengths in millimetres throughout?",
         )
 
 

@@ -45,7 +45,7 @@ def gap(
         with whole_directory(out, force=force) as part:
             report = write_coevolution(evolved, part)
     else:
-        measured = read_log(log, drive=point.drive)
+        measured = read_log(log, drive=point.drive, fastest=file.robot.wheel_speed_max)
         found = measure_gap(measured, file, point, seed=seed)
         with whole_directory(out, force=force) as part:
             report = write_gap(measured, found, part, name=file.name, coevolution=evolved)

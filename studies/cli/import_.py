@@ -43,7 +43,7 @@ def import_(
     The log is written as .parquet or .csv.
     """
     from models.log import make_log, write_table
-    from models.modelfile import load_model
+    from models.modelfile import read_model_file
     from studies.output import check_free, whole_file
 
     if format_ not in FORMATS:
@@ -51,9 +51,10 @@ def import_(
     check_free(out, force=force)
     if out.suffix not in (".parquet", ".csv"):
         raise InputError("--out", out.name, "a file ending in .parquet or .csv")
-    drive = load_model(model or FORMATS[format_], sensors="ignored").drive
+    file = read_model_file(model or FORMATS[format_])
+    drive = file.point_model().drive
     table = _read(format_, source, map_, drive)
-    log = make_log(table, drive=drive)
+    log = make_log(table, drive=drive, fastest=file.robot.wheel_speed_max)
     with whole_file(out, force=force) as part:
         write_table(log.frame, part)
     if not quiet:

@@ -84,6 +84,15 @@ def test_a_mistake_of_units_is_seen_by_physics_and_named(seen, changes):
     assert seen.strip() in refusal(noisy(**changes))
 
 
+def test_one_wrong_unit_throughout_is_seen_by_speeds_no_wheel_reaches():
+    frame = noisy(x=lambda v: v * 1e3, y=lambda v: v * 1e3)
+    left, right = frame.pop("cmd_left"), frame.pop("cmd_right")
+    frame["cmd_v"] = 20.5 * (left + right) / 2
+    frame["cmd_omega"] = 0.0205 * (right - left) / 0.053
+    with pytest.raises(InputError, match="millimetres throughout"):
+        make_log(frame, drive=DRIVE, fastest=6.28)
+
+
 @pytest.mark.parametrize(
     "drive",
     [
