@@ -42,7 +42,7 @@ def run_trial(task: Task) -> dict[str, Any]:
         given = Path(scratch) / "given"
         given.mkdir()
         began = time.perf_counter()
-        _record(task.trial, Path(scratch) / "run", given / LOG)
+        record(task.trial, Path(scratch) / "run", given / LOG)
         recorded = time.perf_counter()
         diagnosis, error = diagnose(given, task.command)
         return {
@@ -53,8 +53,8 @@ def run_trial(task: Task) -> dict[str, Any]:
         }
 
 
-def _record(trial: Trial, run: Path, log: Path) -> None:
-    """Simulate in a directory that is gone before anybody diagnoses."""
+def record(trial: Trial, run: Path, log: Path) -> None:
+    """Simulate in directory `run`, which is gone before anybody diagnoses `log`."""
     run.mkdir()
     simulate(trial.run, tuple(one.spec for one in trial.hidden), run)
     shutil.move(run / LOG, log)
