@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from embedded_sim import SENSOR_ANGLES, SENSORS
 from reality import constants as k
+from reality.laws import Laws
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -101,6 +102,7 @@ class Hardware:
     lamp: Lamp
     windows: list[Lamp]
     """More lamps, lit in every case."""
+    laws: Laws
     wall_reflectance: float = 1.0
     """Of the wall in the infrared, against the nominal wall."""
 
@@ -141,6 +143,7 @@ class Hardware:
             nest=rows(k.NEST),
             lamp=Lamp(),
             windows=[],
+            laws=Laws(),
         )
 
 

@@ -34,7 +34,10 @@ class Motors:
             | (hardware.droop != 0.0)
             | (hardware.speed_limit < np.inf).any(axis=1)
             | (hardware.dead_zone > 0.0).any(axis=1)
+            | (hardware.laws.wheels is not None)
         )
+        self._law = hardware.laws.wheels
+        self._angles: FloatArray = np.zeros((hardware.robots, 2))
         self._chained = np.flatnonzero(touched)
         self._plain = ~touched
         self._share: FloatArray = np.ones(len(self._chained))
@@ -52,11 +55,14 @@ class Motors:
         self._driven[self._plain] = commands[self._plain]
         self.chain.push(commands[self._chained])
 
-    def drive(self, engine: Engine, substep: int) -> None:
+    def drive(self, engine: Engine, substep: int, poses: FloatArray) -> None:
         """Set the joints' targets for one physics step of robots whose chain is not plain."""
         if self.chain is None:
             return
         targets, share = self.chain.targets(substep)
+        if self._law is not None:
+            targets = self._law(targets, self._angles, poses, self.chain.now(substep))
+            self._angles += targets * k.PHYSICS_STEP
         changed = (targets != self._driven[self._chained]).any(axis=1) | (share != self._share)
         self._driven[self._chained], self._share = targets, share
         for n in np.flatnonzero(changed).tolist():
@@ -104,9 +110,13 @@ class Chain:
         self._newest += 1
         self._queue[self._newest % len(self._queue)] = commands
 
+    def now(self, substep: int) -> float:
+        """s since the battery was full."""
+        return self._newest * k.CONTROL_STEP + substep * k.PHYSICS_STEP
+
     def targets(self, substep: int) -> tuple[FloatArray, FloatArray]:
         """Mean speeds (n, 2) in rad/s asked for in a physics step, and share (n,) of the torque."""
-        now = self._newest * k.CONTROL_STEP + substep * k.PHYSICS_STEP
+        now = self.now(substep)
         turned: FloatArray = np.zeros_like(self._speed)
         at = (self._newest + self._slot[substep]) % len(self._queue)
         older, newer = self._queue[at, self._rows]

@@ -52,6 +52,7 @@ class Infrared:
         self.counts: FloatArray = np.zeros((robots, SENSORS))
         self._alive = hardware.ir_alive
         self._wall = hardware.wall_reflectance
+        self._law, self._hardware = hardware.laws.infrared, hardware
         self._random = random
         self._start, self._end = np.zeros((rays, 3)), np.zeros((rays, 3))
         self._fraction, self._normals = np.zeros(rays), np.zeros((rays, 2))
@@ -99,6 +100,10 @@ class Infrared:
             doubles(self._uniform),
             doubles(self.counts),
         )
+        if self._law is not None:
+            directions = poses[:, 2:] + self._hardware.sensor_angles
+            more = np.rint(self.counts + self._law(directions, poses))
+            np.clip(more, 0.0, k.COUNTS_MAX, out=self.counts)
         self.counts *= self._alive
 
     def _cast(self, engine: Engine, rays: int) -> None:
@@ -126,7 +131,7 @@ class Light:
         self._response = doubles(hardware.light_response)
         self._lamps = ffi.new("rgo_lamp[]", 1 + len(hardware.windows))
         self._lit = 0
-        self._decay = 0.0
+        self._decay, self._law = 0.0, hardware.laws.lamp
 
     def set_scenario(self, scenario: int) -> None:
         """Put the lamp where one of `embedded_sim.SCENARIOS` has it, or take it away."""
@@ -139,12 +144,15 @@ class Light:
             struct.power, struct.exponent = one.power * one.scale, one.exponent
         self._lit = len(lit)
         self._decay = 0.0 if place is None else lamp.decay
+        self._law = None if place is None else self._hardware.laws.lamp
 
     def sense(self, poses: FloatArray, time: float = 0.0) -> None:
         """Fill `counts`; `time` (s) since the lamp was lit only matters to one that dims."""
-        if self._decay:
+        if self._decay or self._law is not None:
             lamp = self._hardware.lamp
-            self._lamps[0].power = lamp.power * lamp.scale * max(1.0 - self._decay * time, 0.0)
+            factor = max(1.0 - self._decay * time, 0.0)
+            factor *= 1.0 if self._law is None else self._law(time)
+            self._lamps[0].power = lamp.power * lamp.scale * factor
         self._random.standard_normal(out=self._gauss)
         lib.rgo_light(
             self._optics,
@@ -176,6 +184,7 @@ class Tracker:
         self._nest, self._robots = hardware.nest, robots
         self._marked = np.flatnonzero(hardware.markers.any(axis=1))
         self._markers = hardware.markers[self._marked]
+        self._law = hardware.laws.tracker
 
     def place_food(self, item: int, random: np.random.Generator) -> None:
         """Put an item anywhere a robot's centre can reach, outside the nest."""
@@ -193,6 +202,8 @@ class Tracker:
         if len(self._marked):
             poses = poses.copy()
             poses[self._marked] = _seen(poses[self._marked], self._markers)
+        if self._law is not None:
+            poses = self._law(poses)
         self._random.standard_normal(out=self._noise)
         np.multiply(self._noise, self._scale, out=self._noise)
         np.add(poses, self._noise, out=self.poses)

@@ -107,7 +107,7 @@ class World:
             self.engine.advance(SUBSTEPS)
         else:
             for substep in range(SUBSTEPS):
-                self.motors.drive(self.engine, substep)
+                self.motors.drive(self.engine, substep, self.poses)
                 self.engine.advance(1)
                 if self._past is not None:
                     self._past.add(self._locate(np.empty_like(self.poses)))

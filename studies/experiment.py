@@ -7,9 +7,10 @@ controllers' streams, the robots' evolution, the moments they are switched on.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
@@ -26,7 +27,7 @@ from reality.world import World
 from studies.recorder import Recorder, RunTables
 
 if TYPE_CHECKING:
-    from reality.effects import Hidden
+    from reality.effects import Effect, Hidden
 
 Case = Literal[
     "no-light",
@@ -92,6 +93,7 @@ def simulate(
     effects: tuple[str, ...],
     out: Path,
     progress: Callable[[int], None] = lambda step: None,
+    unlisted: Mapping[str, Effect] = MappingProxyType({}),
 ) -> dict[str, float]:
     """Run one experiment and write its files into an existing directory.
 
@@ -100,6 +102,7 @@ def simulate(
         effects: SPECs of what to hide in reality.
         out: Directory for the tables, `run.json` and `truth.json`.
         progress: Called with the number of control steps done, about once a simulated second.
+        unlisted: Effects that may be hidden though the catalogue lacks them.
 
     Returns:
         Totals: deposits, radio messages, wall seconds.
@@ -109,7 +112,7 @@ def simulate(
         ArithmeticError: the physics or the point model diverged; says where.
     """
     began = time.perf_counter()
-    hidden = parse_effects(effects, config.robots)
+    hidden = parse_effects(effects, config.robots, unlisted)
     behaviour = Behaviour()
     world_seed, swarm_seed, evolution_seed, start_seed = np.random.SeedSequence(config.seed).spawn(
         4

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+from collections.abc import Mapping
 from functools import cache
+from types import MappingProxyType
 
 from reality.effects.effect import Effect, Parameter
 from reality.effects.spec import Hidden, parse
@@ -30,11 +32,20 @@ def catalogue() -> dict[str, Effect]:
     return found
 
 
-def parse_effects(specs: list[str] | tuple[str, ...], robots: int) -> tuple[Hidden, ...]:
+def parse_effects(
+    specs: list[str] | tuple[str, ...],
+    robots: int,
+    unlisted: Mapping[str, Effect] = MappingProxyType({}),
+) -> tuple[Hidden, ...]:
     """Read `NAME:key=value[,key=value...]` texts for a swarm of so many robots.
+
+    Args:
+        specs: The texts.
+        robots: How many there are.
+        unlisted: Effects, by name, that may be hidden beside those of the catalogue.
 
     Raises:
         InputError: an unknown effect or key, a value that is no number or out of bounds, a robot
             that does not exist, a parameter missing or given twice.
     """
-    return tuple(parse(spec, catalogue(), robots) for spec in specs)
+    return tuple(parse(spec, {**catalogue(), **unlisted}, robots) for spec in specs)

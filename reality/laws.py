@@ -1,0 +1,33 @@
+"""Further laws of an odd world: what is wrong with it when no effect of the catalogue is.
+
+Each law is a function that is applied where its quantity arises; None leaves the world as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+
+WheelLaw = Callable[[FloatArray, FloatArray, FloatArray, float], FloatArray]
+"""(speeds (robots, 2) rad/s, angles turned (robots, 2) rad, poses (robots, 3), s) -> speeds."""
+TrackerLaw = Callable[[FloatArray], FloatArray]
+"""Poses (robots, 3) -> poses seen."""
+InfraredLaw = Callable[[FloatArray, FloatArray], FloatArray]
+"""(sensors' directions in the world (robots, 8) rad, poses (robots, 3)) -> counts to add."""
+LampLaw = Callable[[float], float]
+"""s -> factor on the lamp's power."""
+
+
+@dataclass
+class Laws:
+    """All of them."""
+
+    wheels: WheelLaw | None = None
+    tracker: TrackerLaw | None = None
+    infrared: InfraredLaw | None = None
+    lamp: LampLaw | None = None
