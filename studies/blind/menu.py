@@ -156,3 +156,25 @@ MENU: Mapping[str, Entry] = {
     "nest_radius": Entry(unit=SHARE, bar=0.03, largest=0.9, values=_around("scale", 1.0)),
 }
 """By name of the effect."""
+
+
+def _swing(size: float, random: np.random.Generator) -> Mapping[str, Value]:
+    return {"share": size, "period": random.uniform(5.0, 40.0)}
+
+
+def _sunlight(size: float, random: np.random.Generator) -> Mapping[str, Value]:
+    return {"counts": size, "direction": random.uniform(-math.pi, math.pi)}
+
+
+STRANGE: Mapping[str, Entry] = {
+    "eccentric_wheel": Entry(
+        unit=SHARE, bar=0.05, values=lambda size, random: {"share": size, "wheel": _wheel(random)}
+    ),
+    "carpet": Entry(unit=SHARE, bar=0.02, values=_plain("share")),
+    "shy_robots": Entry(unit=SHARE, bar=0.05, values=_plain("share")),
+    "speed_loss": Entry(unit="share at full speed", bar=0.02, values=_plain("share")),
+    "lens": Entry(unit="share at the wall", bar=0.01, values=_plain("share")),
+    "low_sun": Entry(unit="counts", bar=20.0, values=_sunlight),
+    "flicker": Entry(unit=SHARE, bar=0.1, lit=True, values=_swing),
+}
+"""What no catalogue lists; see `unlisted`. A bar is about 1 mm/s or 5 % of a sensor."""

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from studies.blind.trials import Trial
+from studies.blind.unlisted import UNLISTED
 from studies.experiment import simulate
 
 LOG = "samples.parquet"
@@ -56,7 +57,7 @@ def run_trial(task: Task) -> dict[str, Any]:
 def record(trial: Trial, run: Path, log: Path) -> None:
     """Simulate in directory `run`, which is gone before anybody diagnoses `log`."""
     run.mkdir()
-    simulate(trial.run, tuple(one.spec for one in trial.hidden), run)
+    simulate(trial.run, tuple(one.spec for one in trial.hidden), run, unlisted=UNLISTED)
     shutil.move(run / LOG, log)
     shutil.rmtree(run)
 

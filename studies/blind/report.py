@@ -56,6 +56,7 @@ def write_report(directory: BlindDirectory, summary: dict[str, Any]) -> None:
                 ],
                 tables=[Table.of(_effects(summary["effects"]))],
             ),
+            _strange(summary["unlisted"]),
             Section("Two effects at once", tables=[Table.of(_pairs(summary["pairs"]))]),
         ]
     if summary["wrong_names"]["which"]:
@@ -132,6 +133,15 @@ def _effect_row(name: str, found: dict[str, Any], unit: str) -> dict[str, object
 
 def _ratio(found: dict[str, Any]) -> str:
     return f"{found['hits']}/{found['trials']}"
+
+
+def _strange(found: dict[str, Any]) -> Section:
+    text = (
+        f"Flagged as unexplained: {_percent(found['flagged_unexplained'])}. "
+        f"Only given a wrong name: {_percent(found['wrong_name_alone'])}."
+    )
+    table = Table.of(pd.DataFrame(found["answers"]))
+    return Section("What no catalogue lists", [text], tables=[table])
 
 
 def _pairs(pairs: dict[str, Any]) -> pd.DataFrame:

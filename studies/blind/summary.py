@@ -14,6 +14,7 @@ from studies.blind.limits import LENGTH, detection_limit, share
 from studies.blind.menu import MENU
 from studies.blind.scoring import Score, outcome, score
 from studies.blind.trials import Trial
+from studies.blind.unlisted import FOLLOWS
 from studies.provenance import versions
 
 SCHEMA = 1
@@ -30,12 +31,23 @@ class Result:
     error: str | None
     seconds: float
     """Wall time of the diagnosis."""
+    unexplained: tuple[str, ...]
+    """What the diagnosis says of what it cannot name."""
 
 
 def results(directory: BlindDirectory) -> list[Result]:
     """All finished trials, scored."""
     return [
-        Result(trial, score(trial, a["diagnosis"]), a["error"], float(a["diagnose_seconds"]))
+        Result(
+            trial,
+            score(trial, a["diagnosis"]),
+            a["error"],
+            float(a["diagnose_seconds"]),
+            tuple(
+                f"{one['channel']} {one['where']}"
+                for one in (a["diagnosis"] or {}).get("unexplained", ())
+            ),
+        )
         for trial, a in directory.answers()
     ]
 
@@ -46,6 +58,8 @@ def summarise(directory: BlindDirectory) -> dict[str, Any]:
     singles = [r for r in done if r.trial.kind == "single"]
     pairs = [r for r in done if r.trial.kind == "pair"]
     healthy = [r for r in done if r.trial.kind == "healthy"]
+    strange = [r for r in done if r.trial.kind == "unlisted"]
+    listed = [r for r in done if r.trial.kind != "unlisted"]
     names = [name for name in MENU if name in directory.config.effects]
     return {
         "schema": SCHEMA,
@@ -62,12 +76,22 @@ def summarise(directory: BlindDirectory) -> dict[str, Any]:
             "nothing_wrong": _share(r.score.verdict == "nothing_wrong" for r in healthy),
         },
         "healthy_robots_accused": share(
-            sum(r.score.accused for r in done), sum(r.score.healthy for r in done)
+            sum(r.score.accused for r in listed), sum(r.score.healthy for r in listed)
         ),
-        "wrong_names": _wrong(done),
-        "coverage": _share(inside for r in done for inside in r.score.inside),
+        "wrong_names": _wrong(listed),
+        "coverage": _share(inside for r in listed for inside in r.score.inside),
         "confusion": _confusion(names, singles, healthy),
         "effects": {name: _effect(name, singles, directory.config.seed) for name in names},
+        "unlisted": {
+            "flagged_unexplained": _share(r.score.verdict == "unexplained" for r in strange),
+            "wrong_name_alone": _share(
+                bool(r.score.wrong) and r.score.verdict != "unexplained" for r in strange
+            ),
+            "answers": [
+                {"hidden": _told(r), "follows": FOLLOWS[_names(r)[0]], "answer": _said(r)}
+                for r in strange
+            ],
+        },
         "pairs": {
             "exact": _share(r.score.exact for r in pairs),
             "by_pair": {
@@ -108,6 +132,11 @@ def _told(result: Result) -> str:
     """What was hidden, in words."""
     hidden = result.trial.hidden
     return " and ".join(f"{one.name} at {one.multiple:.2g} bars" for one in hidden) or "nothing"
+
+
+def _said(result: Result) -> str:
+    """Verdict, names that are not true, and what is said to be unexplained."""
+    return "; ".join((result.score.verdict, *result.score.wrong, *result.unexplained))
 
 
 def _confusion(

@@ -15,12 +15,15 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from embedded_sim.errors import InputError, nearest
 from reality.effects import catalogue
-from studies.blind.menu import MENU, Entry, Value
+from studies.blind.menu import MENU, STRANGE, Entry, Value
+from studies.blind.unlisted import UNLISTED
 from studies.experiment import Case, Controller, RunConfig
 
-Kind = Literal["healthy", "single", "pair"]
-ROUND: tuple[Kind, ...] = ("single", "healthy", "single", "single", "pair", "single", "single")
-"""Kinds in turn; our choice: most trials go to the limits, a seventh each to healthy and pairs."""
+Kind = Literal["healthy", "single", "pair", "unlisted"]
+ROUND: tuple[Kind, ...] = (
+    "single", "healthy", "single", "single", "pair", "single", "unlisted", "single",
+)  # fmt: skip
+"""Kinds in turn; our choice: most trials go to the limits, an eighth each to the others."""
 SECONDS = (120.0, 120.0, 120.0, 60.0, 240.0)
 """s of log, drawn evenly; 120 s is what the bars are stated for."""
 SPAN = 4.0
@@ -34,6 +37,8 @@ GOLDEN = 0.6180339887498949
 CONTROLLERS: tuple[Controller, ...] = ("coevolution", "search")
 CASES: tuple[Case, ...] = ("light-at-nest", "light-opposite-nest", "no-light")
 LIT = CASES[:2]
+ENTRIES = {**MENU, **STRANGE}
+EFFECTS = {**catalogue(), **UNLISTED}
 
 
 class BlindConfig(BaseModel):
@@ -50,6 +55,8 @@ class BlindConfig(BaseModel):
     """Hide every effect exactly at its bar, in one robot, for 120 s."""
     pairs: bool = True
     """Hide two effects at once in some trials."""
+    unlisted: bool = True
+    """Hide what no catalogue lists in some trials."""
     seconds: Annotated[tuple[float, ...], Field(min_length=1)] = SECONDS
     """s of log, drawn evenly; the first at the bars."""
 
@@ -124,7 +131,7 @@ class Trial:
 def plan(config: BlindConfig) -> tuple[Trial, ...]:
     """Every trial of a battery."""
     drawn: Counter[str] = Counter()
-    singles = 0
+    singles = strange = 0
     trials = []
     for index in range(config.trials):
         random = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(index,)))
@@ -132,6 +139,9 @@ def plan(config: BlindConfig) -> tuple[Trial, ...]:
         if kind == "single":
             names = [config.effects[singles % len(config.effects)]]
             singles += 1
+        elif kind == "unlisted":
+            names = [list(STRANGE)[strange % len(STRANGE)]]
+            strange += 1
         else:
             names = _pair(config, random) if kind == "pair" else []
         hidden = _hide(config, names, drawn, random)
@@ -146,7 +156,8 @@ def _kind(config: BlindConfig, index: int) -> Kind:
     if config.at_bars:
         return "single"
     kind = ROUND[index % len(ROUND)]
-    return "single" if kind == "pair" and not (config.pairs and len(config.effects) > 1) else kind
+    possible = {"pair": config.pairs and len(config.effects) > 1, "unlisted": config.unlisted}
+    return kind if possible.get(kind, True) else "single"
 
 
 def _pair(config: BlindConfig, random: np.random.Generator) -> list[str]:
@@ -161,27 +172,27 @@ def _hide(
     robots = [first, first if random.random() < SAME_ROBOT else second]
     hidden = []
     for name, robot in zip(names, robots, strict=False):
-        entry = MENU[name]
+        entry = ENTRIES[name]
         swarm = bool(entry.swarm_bar) and not config.at_bars and random.random() < SWARM_SHARE
         bar = entry.swarm_bar if swarm else entry.bar
-        size = _size(config, entry, bar, drawn[name], len(names))
+        size = _size(config, entry, bar, drawn[name], len(names) > 1 or name in STRANGE)
         values = {
             key: float(value) if isinstance(value, int | float) else str(value)
             for key, value in entry.values(size, random).items()
         }
-        everyone = swarm or not catalogue()[name].per_robot
+        everyone = swarm or not EFFECTS[name].per_robot
         multiple = size / bar if bar else 1.0
         hidden.append(Hidden(name, values, () if everyone else (robot,), size, multiple))
     return tuple(hidden)
 
 
-def _size(config: BlindConfig, entry: Entry, bar: float, count: int, together: int) -> float:
-    """The next size of an effect; two together are both above the bar."""
+def _size(config: BlindConfig, entry: Entry, bar: float, count: int, strong: bool) -> float:
+    """The next size of an effect: around its bar, or clearly above it."""
     if config.at_bars or not bar:
         return bar
     offset = (config.seed * GOLDEN + 0.5) % 1.0
     share = (offset + count * GOLDEN) % 1.0
-    multiple = SPAN ** (2.0 * share - 1.0) if together == 1 else 1.5 * SPAN ** (0.5 * share)
+    multiple = 1.5 * SPAN ** (0.5 * share) if strong else SPAN ** (2.0 * share - 1.0)
     return float(min(bar * multiple, entry.largest))
 
 
@@ -193,7 +204,7 @@ def _trial(
     random: np.random.Generator,
 ) -> Trial:
     seconds = config.seconds[0] if config.at_bars else float(random.choice(config.seconds))
-    lit = any(MENU[one.name].lit for one in hidden)
+    lit = any(ENTRIES[one.name].lit for one in hidden)
     run = RunConfig(
         case=LIT[random.integers(len(LIT))] if lit else CASES[random.integers(len(CASES))],
         controller=CONTROLLERS[random.integers(len(CONTROLLERS))],

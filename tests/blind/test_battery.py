@@ -206,9 +206,11 @@ def test_a_battery_scores_what_a_process_with_the_log_alone_answered(
     assert summary["failed"] == []  # the stub refuses a directory with anything beside the log
     assert summary["trials"] == 7
     assert summary["confusion"]["nothing"] == {"nothing_wrong": 1}
-    assert summary["confusion"]["ls_dead_sensor"] == {"ls_dead_sensor": 3}
+    assert summary["confusion"]["ls_dead_sensor"] == {"ls_dead_sensor": 2}
     assert summary["confusion"]["command_latency"] == {"nothing_wrong": 2}
     assert summary["wrong_names"]["hits"] == 0
+    assert summary["unlisted"]["flagged_unexplained"]["hits"] == 0
+    assert [one["follows"] for one in summary["unlisted"]["answers"]] == ["wheel angle"]
     assert json.loads((out / "blind.json").read_text()) == summary
     page = (out / "report.html").read_text()
     assert "data:image/png;base64" in page
