@@ -1,7 +1,8 @@
 """Model files: what a simulator believes about one kind of robot, its arena and its lamps.
 
-A model file is TOML with the tables `[robot]`, `[arena]`, `[lamps]` and `[sensors]`; only `[robot]`
-must be there. Units are SI, axes REP-103. Robots we ship are known by name (`SHIPPED`).
+A model file is TOML with the tables `[robot]`, `[arena]`, `[lamps]`, `[sensors]` and `[extension]`
+(`models.extension`); only `[robot]` must be there. Units are SI, axes REP-103. Robots we ship are
+known by name (`SHIPPED`).
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from embedded_sim import Drive, InputError, PointModel, Tables
 from embedded_sim.errors import nearest
+from models.causes import Motion
+from models.extension import Extension
 from models.tables import load_tables
 
 ROBOTS = Path(__file__).parent / "robots"
@@ -97,16 +100,29 @@ class ModelFile(_Table):
     lamps: Lamps = Lamps()
     sensors: Sensors | None = None
     """Absent: only motion is modelled."""
+    extension: Extension | None = None
+    """Absent: the minimal model."""
 
-    def point_model(self, tables: Tables | None = None) -> PointModel:
-        """The constant model that C reads, with captured sensor tables or motion alone."""
-        robot, arena = self.robot, self.arena or Arena()
+    def motion(self, robot: int | None = None) -> Motion:
+        """How a robot moves and is seen; None: what the whole swarm has in common."""
+        radius, axle = self.robot.wheel_radius, self.robot.axle
+        minimal = Motion(drive=Drive(wheel_radius=(radius, radius), axle=axle))
+        return minimal if self.extension is None else self.extension.applied(minimal, robot)
+
+    def point_model(self, tables: Tables | None = None, *, robot: int | None = None) -> PointModel:
+        """The constant model that C reads, with captured sensor tables or motion alone.
+
+        Args:
+            tables: Captured.
+            robot: Whose, where an extension concerns some robots only; None: what all have.
+        """
+        body, arena = self.robot, self.arena or Arena()
         places = (self.lamps.opposite, None, self.lamps.at_nest)
         opposite, none, at_nest = (None if p is None else (p.x, p.y) for p in places)
         return PointModel(
-            drive=Drive(wheel_radius=(robot.wheel_radius, robot.wheel_radius), axle=robot.axle),
+            drive=self.motion(robot).drive,
             tables=tables,
-            body_radius=robot.body_radius,
+            body_radius=body.body_radius,
             arena_radius=arena.radius,
             nest=(arena.nest.x, arena.nest.y, arena.nest.radius),
             food_items=arena.food_items,

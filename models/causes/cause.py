@@ -1,0 +1,113 @@
+"""What a cause is: a name, its physics, its parameters, and how they enter a robot's motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from embedded_sim.model import FloatArray
+from models.causes.motion import Motion
+
+Link = Literal["add", "factor"]
+ALL = ""
+"""The variant of a cause that has only one."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """One number of a cause, with the name it has in an `--effect`.
+
+    It is fitted in a coordinate that is 0 at the null (`add`: value = null + coordinate;
+    `factor`: value = null * exp(coordinate)), or, without a null, equals the value.
+    """
+
+    name: str
+    unit: str
+    null: float
+    """Value at which nothing is changed; may be infinite."""
+    low: float
+    """Least value believed."""
+    high: float
+    """Largest value believed."""
+    step: float
+    """Coordinate's step for finite differences: a small but clearly visible change."""
+    link: Link = "add"
+
+    @property
+    def zero(self) -> float:
+        """Null that coordinates count from."""
+        return self.null if math.isfinite(self.null) else 0.0
+
+    def value(self, coordinate: float) -> float:
+        """The physical value at a coordinate."""
+        if self.link == "factor":
+            return self.null * math.exp(coordinate)
+        return self.zero + coordinate
+
+    def coordinate(self, value: float) -> float:
+        """The coordinate of a physical value."""
+        return math.log(value / self.null) if self.link == "factor" else value - self.zero
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Coordinates of the least and the largest value."""
+        return self.coordinate(self.low), self.coordinate(self.high)
+
+
+Change = Callable[[Motion, FloatArray, str], Motion]
+Starts = Callable[[FloatArray], list[FloatArray]]
+
+
+def from_null(commands: FloatArray) -> list[FloatArray]:
+    """One start for the fit: the null."""
+    return []
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cause:
+    """A physical reason why a robot does not move as simulated."""
+
+    name: str
+    meaning: str
+    """What is the matter with the robot, in words for the person who must repair it."""
+    parameters: tuple[Parameter, ...]
+    change: Change
+    """(motion, values (parameters,), variant) -> motion with the cause. At the null: the same."""
+    variants: tuple[str, ...] = (ALL,)
+    """Words of the parameter `word`, such as which wheel."""
+    word: str = ""
+    """Name of the parameter that takes a word instead of a number; empty: none."""
+    columns: tuple[str, ...] = ()
+    """Columns of the log beyond poses and commands without which it cannot be seen."""
+    confusable_with: tuple[str, ...] = ()
+    twins: tuple[str, ...] = ()
+    """Causes that act on poses exactly alike; `separated_by` tells them apart."""
+    separated_by: tuple[str, ...] = ()
+    """Columns that tell a cause from its twins."""
+    experiment: str = ""
+    """What to let the robot do to see it best."""
+    identifiable: bool = True
+    """False: known, but not visible enough in motion to be named."""
+    smooth: bool = True
+    """False: the fit must scan the first parameter, whose effect jumps."""
+    starts: Starts = field(default=from_null)
+    """Coordinates (parameters,) to start the fit from besides the null, given the commands."""
+
+    def applied(self, motion: Motion, coordinates: FloatArray, variant: str = ALL) -> Motion:
+        """The motion with this cause at the given coordinates, kept within bounds."""
+        values = np.array(
+            [
+                p.value(float(np.clip(u, *p.bounds)))
+                for p, u in zip(self.parameters, coordinates, strict=True)
+            ]
+        )
+        return self.change(motion, values, variant)
+
+
+def sides(variant: str) -> tuple[bool, bool]:
+    """Which wheels (left, right) a variant `left`, `right` or `both` means."""
+    return variant in ("left", "both"), variant in ("right", "both")

@@ -1,0 +1,25 @@
+"""The tracker's clock is not the robot's: poses carry a late or early stamp."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from embedded_sim.model import FloatArray
+from models.causes.cause import Cause, Parameter
+from models.causes.motion import Motion
+
+
+def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
+    return replace(motion, pose_delay=motion.pose_delay + float(values[0]))
+
+
+CAUSE = Cause(
+    name="clock_offset",
+    meaning="the tracker's clock is offset from the robots': poses are stamped late (early if < 0)",
+    parameters=(Parameter(name="seconds", unit="s", null=0.0, low=-1.0, high=1.0, step=1e-3),),
+    change=_change,
+    confusable_with=("command_latency",),
+    twins=("command_latency",),
+    separated_by=("wheel_left", "wheel_right"),
+    experiment="steps of speed with the sensors or encoders logged",
+)

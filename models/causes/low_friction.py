@@ -1,0 +1,59 @@
+"""The wheels slip when they speed up or brake: the floor or the tyres are smooth."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from embedded_sim.model import FloatArray
+from models.causes.cause import Cause, Parameter
+from models.causes.motion import Motion
+
+FRICTION = 1.2
+"""Of an e-puck's rubber tyre on the floor. Our choice."""
+TRACTION = 415.0
+"""rad/s^2 of 20.5 mm wheels per unit of friction: g times the wheels' share of the weight (0.87,
+the centre of mass being 4 mm ahead of the axle and the skid 30 mm) over the radius."""
+STARTS = (-1.2, -2.0)
+"""Coordinates to start from: friction of 0.36 and 0.16."""
+
+
+def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
+    friction = float(values[0])
+    most = TRACTION * friction
+    left, right = motion.drive.acceleration
+    if friction >= FRICTION or most >= min(left, right):
+        return motion
+    return replace(
+        motion,
+        drive=replace(motion.drive, acceleration=(most, most)),
+        encoder_drive=motion.wheels,
+    )
+
+
+def _starts(commands: FloatArray) -> list[FloatArray]:
+    return [np.array([start]) for start in STARTS]
+
+
+CAUSE = Cause(
+    name="low_friction",
+    meaning="the wheels slip on the floor when they speed up or brake",
+    parameters=(
+        Parameter(
+            name="friction",
+            unit="1",
+            null=FRICTION,
+            low=0.002,
+            high=FRICTION,
+            step=2e-2,
+            link="factor",
+        ),
+    ),
+    change=_change,
+    confusable_with=("weak_motor", "motor_lag"),
+    twins=("weak_motor",),
+    separated_by=("wheel_left", "wheel_right"),
+    experiment="steps of speed with encoders logged",
+    starts=_starts,
+)

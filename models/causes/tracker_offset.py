@@ -1,0 +1,27 @@
+"""The tracker sees a point that is not the middle of the axle."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from embedded_sim.model import FloatArray
+from models.causes.cause import Cause, Parameter
+from models.causes.motion import Motion
+
+
+def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
+    lever = (motion.lever[0] + float(values[0]), motion.lever[1] + float(values[1]))
+    return replace(motion, lever=lever)
+
+
+CAUSE = Cause(
+    name="tracker_offset",
+    meaning="the tracker's markers are mounted off the middle of the axle",
+    parameters=(
+        Parameter(name="x", unit="m", null=0.0, low=-0.5, high=0.5, step=5e-4),
+        Parameter(name="y", unit="m", null=0.0, low=-0.5, high=0.5, step=5e-4),
+    ),
+    change=_change,
+    confusable_with=("wheel_separation",),
+    experiment="spins both ways",
+)

@@ -1,0 +1,61 @@
+"""The motors have less torque than they should: wheels change speed slowly."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from embedded_sim import Drive
+from embedded_sim.model import FloatArray, Pair
+from models.causes.cause import Cause, Parameter
+from models.causes.motion import Motion
+
+TORQUE = 0.006
+"""N m, most an e-puck's motor gives: 3.9 m/s^2 with 0.15 kg on 20.5 mm wheels. Our choice."""
+ACCELERATION = 190.0
+"""rad/s^2 that `TORQUE` gives the wheels of such a robot (2 T / m r^2): taken where no healthy
+reference says what the motors can do."""
+STARTS = (-0.4, -1.5)
+"""Coordinates to start from: two thirds and a fifth of the torque."""
+
+
+def limited(drive: Drive, share: float) -> Pair:
+    """rad/s^2: the wheels' acceleration limits at a share of the nominal torque."""
+    left, right = drive.acceleration
+    if math.isinf(left):
+        return (ACCELERATION * share,) * 2 if share < 1.0 else (left, right)
+    return left * share, right * share
+
+
+def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
+    limits = limited(motion.drive, float(values[0]) / TORQUE)
+    return replace(motion, drive=replace(motion.drive, acceleration=limits))
+
+
+def _starts(commands: FloatArray) -> list[FloatArray]:
+    return [np.array([start]) for start in STARTS]
+
+
+CAUSE = Cause(
+    name="weak_motor",
+    meaning="the motors give less torque than they should: the wheels change speed slowly",
+    parameters=(
+        Parameter(
+            name="torque",
+            unit="N m",
+            null=TORQUE,
+            low=0.003 * TORQUE,
+            high=3.0 * TORQUE,
+            step=2e-2,
+            link="factor",
+        ),
+    ),
+    change=_change,
+    confusable_with=("low_friction", "motor_lag"),
+    twins=("low_friction",),
+    separated_by=("wheel_left", "wheel_right"),
+    experiment="steps of speed with encoders logged",
+    starts=_starts,
+)

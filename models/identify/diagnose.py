@@ -1,0 +1,124 @@
+"""From a measured log to a diagnosis: cut, identify, look for what is left, measure the gain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from embedded_sim.model import FloatArray
+from models.causes import Motion, causes
+from models.diagnosis import Diagnosis, Gain
+from models.identify.predict import poses
+from models.identify.swarm import Identified, identify
+from models.identify.tracks import Tracks, cut_tracks
+from models.log import MeasuredLog
+from models.modelfile import ModelFile
+from models.reference import Reference, no_reference
+
+RESAMPLED = 400
+"""Bootstrap samples of blocks for the gain's interval."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Examination:
+    """A diagnosis and what it was drawn from, for the report."""
+
+    tracks: Tracks
+    model: ModelFile
+    identified: Identified
+    diagnosis: Diagnosis
+
+
+def diagnose(
+    log: MeasuredLog, model: ModelFile, reference: Reference | None, *, seed: int = 0
+) -> Examination:
+    """Say what is wrong with the robots of a log.
+
+    Args:
+        log: Measured.
+        model: What the simulator believes.
+        reference: What healthy robots do; None: nobody knows.
+        seed: Of the bootstrap.
+
+    Raises:
+        InputError: nothing in the log can be used.
+    """
+    tracks = cut_tracks(log, model)
+    believed = [model.motion(robot) for robot in tracks.robots]
+    healthy = no_reference(model.name, model.motion().drive) if reference is None else reference
+    found = identify(tracks, healthy, believed)
+    gain = _gain(tracks, believed, found, np.random.default_rng(seed))
+    diagnosis = Diagnosis(
+        named=found.named,
+        gain=gain,
+        not_checked=_not_checked(tracks, reference),
+        notes=log.notes,
+        robots=tracks.robots,
+        reference="" if reference is None else reference.model,
+    )
+    return Examination(tracks=tracks, model=model, identified=found, diagnosis=diagnosis)
+
+
+def _not_checked(tracks: Tracks, reference: Reference | None) -> tuple[str, ...]:
+    """What this log cannot say, in words."""
+    said = []
+    if reference is None:
+        said.append(
+            "no healthy reference: what every robot of this kind does (slip, finite torque, "
+            "latency) is named like a fault, and how much healthy robots differ is not known"
+        )
+    if tracks.encoders is None:
+        pairs = sorted(
+            {
+                tuple(sorted((c.name, t)))
+                for c in causes().values()
+                for t in c.twins
+                if c.separated_by
+            }
+        )
+        said += [f"no encoders: {a} and {b} cannot be told apart" for a, b in pairs]
+    said += [f"{c.name}: {c.meaning}" for c in causes().values() if not c.identifiable]
+    return tuple(said)
+
+
+def _gain(
+    tracks: Tracks, minimal: list[Motion], found: Identified, rng: np.random.Generator
+) -> dict[str, Gain]:
+    """Error of predicted position 1 s ahead by the minimal model and with what was found."""
+    concerned = {r for one in found.named for r in one.robots} or set(tracks.robots)
+    chosen = [k for k, r in enumerate(tracks.robots) if r in concerned]
+    some = tracks.only(chosen)
+    before = _ahead(some, [minimal[k] for k in chosen])
+    after = _ahead(some, [found.explained[k] for k in chosen])
+    block = some.block
+    count = np.bincount(block)
+    sums = np.bincount(block, after**2)
+    picks = rng.integers(0, len(count), (RESAMPLED, len(count)))
+    tried = np.sqrt(sums[picks].sum(axis=1) / count[picks].sum(axis=1))
+    low, high = np.quantile(tried, (0.025, 0.975))
+    return {
+        "position_1s": Gain(
+            before=float(np.sqrt(np.mean(before**2))),
+            after=float(np.sqrt(np.mean(after**2))),
+            low=float(low),
+            high=float(high),
+            unit="m",
+        )
+    }
+
+
+def _ahead(tracks: Tracks, motions: list[Motion]) -> FloatArray:
+    """(windows,) m between predicted and measured position at each window's end, per second.
+
+    The prediction starts at the window's first measured pose.
+    """
+    seen = poses(tracks, motions)
+    last = np.append(tracks.first[1:], len(tracks.rows)) - 1
+    turn = tracks.measured[tracks.first, 2] - seen[tracks.first, 2]
+    step = seen[last, :2] - seen[tracks.first, :2]
+    c, s = np.cos(turn), np.sin(turn)
+    told = np.column_stack([c * step[:, 0] - s * step[:, 1], s * step[:, 0] + c * step[:, 1]])
+    went = tracks.measured[last, :2] - tracks.measured[tracks.first, :2]
+    took = tracks.t[tracks.rows[last]] - tracks.t[tracks.rows[tracks.first]]
+    return np.asarray(np.hypot(*(went - told).T) / took)

@@ -1,0 +1,224 @@
+"""Forward selection of terms for one group of robots: few, each needed, each beyond health.
+
+A term is taken when it takes more deviance off held-out blocks than any other; it is named only if
+its parameter also lies outside the healthy spread of that very parameter. A term that helps but
+stays within that spread is how healthy robots differ: it is kept in the fit, unnamed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from embedded_sim import Diverged
+from embedded_sim.model import FloatArray
+from models.identify.candidates import starts
+from models.identify.fit import Fit, Problem, Term
+from models.identify.measure import distance
+from models.identify.screen import glance
+from models.reference import Reference
+
+MOST_TERMS = 4
+"""Terms tried in one robot; more are not told apart in two minutes."""
+MARGIN = 6.0
+"""Held-out deviance by which a rival must be worse: odds of 20 to 1."""
+MARGIN_ERRORS = 3.0
+"""Standard errors, over blocks, by which a rival must be worse."""
+PROMISING = 0.5
+"""Of the least gain that one linear step must promise for a term to be fitted."""
+PROMISING_SHARE = 0.1
+"""Of the most promising term's, likewise: a step underrates what is far from linear."""
+MUCH = 200.0
+"""Promised deviance that always earns a fit."""
+RIVAL_SHARE = 0.3
+"""Of the gain that a term needs to be looked at as a rival."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Evidence:
+    """One term of the chosen set, with what speaks for it."""
+
+    term: Term
+    coordinates: FloatArray
+    """(p,)."""
+    covariance: FloatArray
+    """(p, p)."""
+    gain: float
+    """Held-out deviance that the set loses without it."""
+    share: float
+    """That gain relative to the deviance without it."""
+    p_value: float
+    """Of a healthy robot showing as much, normal tails."""
+    distance: float
+    """Standard deviations from the healthy value."""
+    rivals: tuple[Term, ...]
+    """Terms that could stand in its place."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Choice:
+    """What was chosen for a group of robots."""
+
+    named: tuple[Evidence, ...]
+    fit: Fit
+    """With every term kept, named or not."""
+    before: Fit
+    """Without any term."""
+
+
+def choose(problem: Problem, reference: Reference, *, swarm: bool = False) -> Choice:
+    """The terms that one group of robots needs.
+
+    Args:
+        problem: With a single group.
+        reference: What healthy robots show.
+        swarm: Whether the group is a whole swarm, which differs less from others than a robot does.
+    """
+    if problem.count != 1:
+        raise ValueError(f"problem: got {problem.count} groups, expected one")
+    search = _Search(problem, reference, swarm)
+    before = problem.at((), np.zeros((1, 0)))
+    kept, tried = search.forward(before)
+    kept = search.needed(kept)
+    named = []
+    for term in kept.terms:
+        evidence = search.evidence(kept, term, tried.get(term, {}))
+        if evidence is not None:
+            named.append(evidence)
+    return Choice(named=tuple(named), fit=kept, before=before)
+
+
+class _Search:
+    """The fits of one selection."""
+
+    def __init__(self, problem: Problem, reference: Reference, swarm: bool) -> None:
+        self.problem, self.reference, self.swarm = problem, reference, swarm
+        self.least_gain = reference.gates.gain
+
+    def forward(self, before: Fit) -> tuple[Fit, dict[Term, dict[Term, float]]]:
+        """Add the best term until none helps; the gains of all terms at each one's turn."""
+        kept = before
+        tried: dict[Term, dict[Term, float]] = {}
+        while len(kept.terms) < MOST_TERMS:
+            fits = self._one_more(kept)
+            if not fits:
+                break
+            self._rescale(kept, fits)
+            gains = {t: float(self.problem.gain(kept, f).sum()) for t, f in fits.items()}
+            best = max(gains, key=lambda t: gains[t])
+            if gains[best] < self.least_gain:
+                break
+            kept = fits[best]
+            tried[best] = gains
+        return kept, tried
+
+    def needed(self, kept: Fit) -> Fit:
+        """Drop terms that the others make superfluous."""
+        while len(kept.terms) > 1:
+            loss = {term: self.gain_of(kept, term) for term in kept.terms}
+            weakest = min(loss, key=lambda t: loss[t])
+            if loss[weakest] >= self.least_gain:
+                break
+            kept = self.without(kept, weakest)
+        return kept
+
+    def evidence(self, kept: Fit, term: Term, tried: dict[Term, float]) -> Evidence | None:
+        """A kept term's evidence, or None where it is how healthy robots differ."""
+        without = self.without(kept, term)
+        gain = float(self.problem.gain(without, kept).sum())
+        part = kept.part(term)
+        coordinates = kept.coordinates[:, part]
+        covariance = kept.covariance[:, part, part]
+        away = self.distance(term, coordinates, covariance, gain)
+        if away < self.reference.gate(term.key, swarm=self.swarm) or gain < self.least_gain:
+            return None
+        total = float(self.problem.losses(without.held_out).sum())
+        return Evidence(
+            term=term,
+            coordinates=coordinates[0],
+            covariance=covariance[0],
+            gain=gain,
+            share=gain / total,
+            p_value=float(2.0 * stats.norm.sf(away)),
+            distance=away,
+            rivals=self._rivals(kept, without, term, tried),
+        )
+
+    def distance(
+        self, term: Term, coordinates: FloatArray, covariance: FloatArray, gain: float
+    ) -> float:
+        """Standard deviations from the healthy value."""
+        mean, sd = self.reference.spread(term.key, coordinates.shape[1], swarm=self.swarm)
+        commands = self.problem.tracks.commands
+        return float(
+            distance(term, coordinates, covariance, commands, mean, sd, np.array([gain]))[0]
+        )
+
+    def without(self, kept: Fit, term: Term) -> Fit:
+        """The set refitted without a term."""
+        terms = tuple(t for t in kept.terms if t != term)
+        rest = np.delete(kept.coordinates, np.r_[kept.part(term)], axis=1)
+        return self.problem.fit(terms, [rest])
+
+    def gain_of(self, kept: Fit, term: Term) -> float:
+        """Held-out deviance that a term takes off in the presence of the others."""
+        return float(self.problem.gain(self.without(kept, term), kept).sum())
+
+    def _one_more(self, kept: Fit) -> dict[Term, Fit]:
+        """The set with each further term."""
+        names = {term.cause.name for term in kept.terms}
+        promised: dict[Term, float] = {}
+        for one in glance(self.problem, self.problem.motions(kept.terms, kept.coordinates)):
+            if one.term.cause.name not in names:
+                promised[one.term] = max(promised.get(one.term, 0.0), float(one.gain.sum()))
+        best = max(promised.values(), default=0.0)
+        least = max(PROMISING * self.least_gain, min(PROMISING_SHARE * best, MUCH))
+        fits = {}
+        for term, gain in promised.items():
+            if gain < least:
+                continue
+            fit = self._with(kept, term)
+            if fit is not None:
+                fits[term] = fit
+        return fits
+
+    def _with(self, kept: Fit, term: Term) -> Fit | None:
+        """The set with one more term, or None where it cannot be tried on this log."""
+        begin = starts(self.problem, term, kept.coordinates)
+        if not begin:
+            return None
+        try:
+            return self.problem.fit((*kept.terms, term), begin)
+        except Diverged:
+            return None
+
+    def _rescale(self, kept: Fit, fits: dict[Term, Fit]) -> None:
+        """Judge all by the errors that the best leaves."""
+        problem = self.problem
+        best = max(fits.values(), key=lambda f: float(problem.gain(kept, f).sum()))
+        problem.scale = problem.spread(best.residual)
+
+    def _rivals(
+        self, kept: Fit, without: Fit, term: Term, tried: dict[Term, float]
+    ) -> tuple[Term, ...]:
+        """Terms that could stand in a term's place without being clearly worse."""
+        own = max(tried.get(term, 0.0), 1e-9)
+        names = {t.cause.name for t in kept.terms} - {term.cause.name}
+        found = []
+        for other, gain in tried.items():
+            if other == term or other.cause.name in names or gain < RIVAL_SHARE * own:
+                continue
+            fit = self._with(without, other)
+            if fit is not None and not self._worse(kept, fit):
+                found.append(other)
+        return tuple(found)
+
+    def _worse(self, kept: Fit, rival: Fit) -> bool:
+        """Whether a rival set is clearly worse on held-out blocks."""
+        lost = self.problem.gain(rival, kept)
+        block = self.problem.tracks.block
+        by_block = np.bincount(block, lost)
+        error = float(np.sqrt(np.sum((by_block - by_block.mean()) ** 2)))
+        return float(lost.sum()) > max(MARGIN, MARGIN_ERRORS * error)

@@ -1,0 +1,228 @@
+"""From tracks to named causes: what the whole swarm shares first, then each robot by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from embedded_sim.model import FloatArray
+from models.causes import Motion
+from models.identify.fit import Problem, Term, Terms
+from models.identify.measure import strength
+from models.identify.screen import Glance, glance
+from models.identify.select import Choice, Evidence, choose
+from models.identify.tracks import Tracks
+from models.identify.twins import tell_apart
+from models.identify.value import Value, bracket, values
+from models.reference import Reference
+
+LEAST_SWARM = 3
+"""Robots that make a swarm: of two, neither says which one differs."""
+ALIKE = 5.0
+"""Standard deviations within which a robot shares the swarm's value."""
+DEVIANTS = 0.2
+"""Most of the robots that may not share it."""
+MEDIAN_ERROR = 1.2533
+"""Standard error of a median of normal values, relative to a mean's."""
+NORMAL = 1.4826
+SUSPICIOUS = 0.6
+"""Of the distance that a name needs, seen at a first glance, that earns a robot full fits."""
+
+Robots = tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Named:
+    """A cause, for whom, how large, why, and what else it could be."""
+
+    term: Term
+    robots: Robots
+    """Ids of the robots that have it."""
+    whole_swarm: bool
+    values: tuple[Value, ...]
+    evidence: Evidence
+    twins: tuple[Term, ...]
+    """Causes that act exactly alike on what this log holds."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Identified:
+    """What was found in one log."""
+
+    named: tuple[Named, ...]
+    base: tuple[Motion, ...]
+    """(robots,) healthy motion of each robot."""
+    explained: tuple[Motion, ...]
+    """(robots,) motion with every term kept."""
+    looked_at: Robots
+    """Ids of the robots that were worth full fits."""
+    choices: dict[int, Choice]
+    """Each such robot's selection, by index into the tracks' robots."""
+
+
+def identify(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -> Identified:
+    """Name what is wrong with the whole swarm and with each robot.
+
+    Args:
+        tracks: The log's.
+        reference: What healthy robots do.
+        believed: The model's motion of each robot.
+    """
+    base = [reference.motion(motion) for motion in believed]
+    seen = glance(Problem(tracks, base))
+    named: list[Named] = []
+    explained = list(base)
+    sharing = _sharing(tracks, seen, reference)
+    if sharing is not None:
+        found = _swarm(tracks, base, reference, sharing)
+        if found is not None:
+            named, shared = found
+            explained = shared
+            seen = glance(Problem(tracks, explained))
+    choices = {}
+    for k in _suspects(tracks, seen, reference):
+        alone = Problem(tracks.only([k]), [explained[k]])
+        choice = choose(alone, reference)
+        if choice.named:
+            new, motion = _names(alone, choice, reference, swarm=False)
+            named += new
+            explained[k] = motion[0]
+        elif choice.fit.terms:
+            explained[k] = alone.motions(choice.fit.terms, choice.fit.coordinates)[0]
+        choices[int(k)] = choice
+    return Identified(
+        named=tuple(named),
+        base=tuple(base),
+        explained=tuple(explained),
+        looked_at=tuple(tracks.robots[k] for k in choices),
+        choices=choices,
+    )
+
+
+def _swarm(
+    tracks: Tracks,
+    base: Sequence[Motion],
+    reference: Reference,
+    sharing: npt.NDArray[np.bool_],
+) -> tuple[list[Named], list[Motion]] | None:
+    """Names shared by the swarm, and each robot's motion with them; None where there are none."""
+    chosen = np.flatnonzero(sharing).tolist()
+    some = tracks.only(chosen)
+    problem = Problem(some, [base[k] for k in chosen], groups=np.zeros(len(chosen), dtype=int))
+    choice = choose(problem, reference, swarm=True)
+    if not choice.named:
+        return None
+    named, motions = _names(problem, choice, reference, swarm=bool(sharing.all()))
+    explained = list(base)
+    for k, motion in zip(chosen, motions, strict=True):
+        explained[k] = motion
+    return named, explained
+
+
+def _names(
+    problem: Problem, choice: Choice, reference: Reference, *, swarm: bool
+) -> tuple[list[Named], list[Motion]]:
+    """The choice's evidence with values and twins, and the robots' motions."""
+    fit = choice.fit
+    swapped = {}
+    for evidence in choice.named:
+        found = tell_apart(problem, fit, evidence.term)
+        swapped[evidence.term] = found
+        fit = found.fit
+    group = len(problem.tracks.robots) > 1
+    named = []
+    for evidence in choice.named:
+        twins = swapped[evidence.term]
+        at = fit.part(twins.chosen)
+        size = at.stop - at.start
+        mean, sd = reference.spread(evidence.term.key, size, swarm=group)
+        if twins.chosen != evidence.term:  # the healthy value is in the representative's coordinate
+            mean, sd = np.zeros(size), np.zeros(size) + _converted(sd, twins.chosen)
+        if twins.chosen.cause.smooth:
+            told = values(
+                twins.chosen,
+                fit.coordinates[0, at],
+                fit.covariance[0, at, at],
+                problem.tracks.commands,
+                mean,
+                sd,
+            )
+        else:
+            told = (_threshold(problem, fit.terms, fit.coordinates, at.start, twins.chosen),)
+        named.append(
+            Named(
+                term=twins.chosen,
+                robots=problem.tracks.robots,
+                whole_swarm=swarm,
+                values=told,
+                evidence=evidence,
+                twins=twins.others,
+            )
+        )
+    return named, problem.motions(fit.terms, fit.coordinates)
+
+
+def _converted(sd: FloatArray, twin: Term) -> FloatArray:
+    """Healthy spread of a representative's coordinate, as the twin's: the same kind of number."""
+    return sd
+
+
+def _threshold(
+    problem: Problem, terms: Terms, coordinates: FloatArray, at: int, term: Term
+) -> Value:
+    parameter = term.cause.parameters[0]
+    value, low, high = bracket(problem, terms, coordinates, at)
+    return Value(parameter.name, value, low, high, parameter.unit)
+
+
+def _sharing(
+    tracks: Tracks, seen: Sequence[Glance], reference: Reference
+) -> npt.NDArray[np.bool_] | None:
+    """(robots,) who shares the most conspicuous difference from health; None: nothing is shared."""
+    robots = len(tracks.robots)
+    if robots < LEAST_SWARM:
+        return None
+    best, most = None, SUSPICIOUS
+    for one in seen:
+        value, error, spread, swarm_spread = _strengths(one, reference, tracks)
+        middle = float(np.median(value))
+        wide = max(NORMAL * float(np.median(np.abs(value - middle))), float(np.median(error)))
+        sure = np.hypot(MEDIAN_ERROR * np.hypot(wide, spread) / np.sqrt(robots), swarm_spread)
+        far = abs(middle) / max(sure, 1e-12) / reference.gate(one.term.key, swarm=True)
+        total = np.sqrt(error**2 + spread**2 + wide**2 / robots)
+        alike = np.abs(value - middle) <= ALIKE * total
+        differ = np.abs(value) > ALIKE * total
+        shared = alike & (differ | (np.abs(value - middle) < np.abs(value)))
+        if far > most and (~shared).mean() <= DEVIANTS:
+            best, most = alike, far
+    return best
+
+
+def _strengths(
+    one: Glance, reference: Reference, tracks: Tracks
+) -> tuple[FloatArray, FloatArray, float, float]:
+    """Per robot a term's strength less the healthy one, its error, and the healthy spreads."""
+    k = int(np.argmax(np.abs(one.unit)))
+    size = len(one.unit)
+    _, sd = reference.spread(one.term.key, size)
+    swarm_mean, swarm_sd = reference.spread(one.term.key, size, swarm=True)
+    if all(np.isfinite(p.null) for p in one.term.cause.parameters):
+        unit = float(one.unit[k])
+    else:
+        unit = float(strength(one.term, one.unit[None], tracks.commands)[0, k])
+    value = one.dose * unit - float(swarm_mean[k])
+    return value, np.abs(one.error * unit), float(sd[k]), float(swarm_sd[k])
+
+
+def _suspects(tracks: Tracks, seen: Sequence[Glance], reference: Reference) -> list[int]:
+    """Indices of the robots for which some term promises a gain and a value beyond health."""
+    suspect = np.zeros(len(tracks.robots), dtype=bool)
+    for one in seen:
+        value, error, spread, _ = _strengths(one, reference, tracks)
+        away = np.abs(value) / np.sqrt(error**2 + spread**2 + 1e-24)
+        far = away > SUSPICIOUS * reference.gate(one.term.key)
+        suspect |= (one.gain > reference.gates.gain) & (far | (not one.term.cause.smooth))
+    return [int(k) for k in np.flatnonzero(suspect)]

@@ -1,0 +1,203 @@
+"""A log cut for identification: robots one after the other, their tracks in short windows.
+
+Within a window the predicted path may be shifted and turned as a whole, so that no error is carried
+from one window to the next and no measured pose is trusted more than another. Rows at the wall, at
+another robot or without a pose are in no window: contact is a cause of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from embedded_sim import InputError
+from embedded_sim.model import FloatArray
+from models.conditions import clear, conditions
+from models.log import MeasuredLog
+from models.modelfile import ModelFile
+from models.noise import PoseNoise, pose_noise
+from models.replay import replay_log
+from models.schema import ENCODERS
+
+WINDOW = 1.0
+"""s. Our choice: long enough to see 0.1 % of a speed through half a millimetre of noise, short
+enough that what the model leaves out stays below that noise."""
+LEAST_ROWS = 3
+"""Rows a window needs: two poses only fix its place."""
+LEAST_SECONDS = 0.2
+"""Shorter pieces between two contacts say too little to be worth their rows."""
+MOST_WINDOWS = 600
+"""Windows used of one robot: more sharpen nothing that robot-to-robot differences leave visible."""
+BLOCK_WINDOWS = 5
+"""Windows held out or resampled together, one after the other in time."""
+
+Rows = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tracks:
+    """Commands and measured poses of some robots, sorted by robot, run and time."""
+
+    robots: tuple[int, ...]
+    """Who, in the order of `groups`."""
+    t: FloatArray
+    """(rows,) s."""
+    commands: FloatArray
+    """(rows, 2) rad/s."""
+    start: Rows
+    """(segments + 1,) first row of each segment (one robot in one run), and the row count."""
+    segment_robot: Rows
+    """(segments,) index into `robots`."""
+    encoders: FloatArray | None
+    """(rows, 2) rad/s measured at the wheels; None where not logged."""
+    rows: Rows
+    """(n,) rows that are in a window, in order."""
+    first: Rows
+    """(windows,) where each window begins in `rows`."""
+    measured: FloatArray
+    """(n, 3) measured poses of `rows`."""
+    about: FloatArray
+    """(rows, columns) conditions at every row, `columns` of them; for the search for structure."""
+    columns: tuple[str, ...]
+    noise: PoseNoise
+
+    @property
+    def window(self) -> Rows:
+        """(n,) window of each of `rows`."""
+        return np.repeat(np.arange(len(self.first)), np.diff(np.append(self.first, len(self.rows))))
+
+    @property
+    def row_robot(self) -> Rows:
+        """(rows,) index into `robots`."""
+        return np.repeat(self.segment_robot, np.diff(self.start))
+
+    @property
+    def robot(self) -> Rows:
+        """(windows,) index into `robots`."""
+        return self.row_robot[self.rows[self.first]]
+
+    @property
+    def block(self) -> Rows:
+        """(windows,) block of each window, counted through; a block is of one robot."""
+        robot = self.robot
+        begin = np.searchsorted(robot, np.arange(len(self.robots)))
+        within = (np.arange(len(robot)) - begin[robot]) // BLOCK_WINDOWS
+        key = robot * (len(robot) + 1) + within
+        return np.unique(key, return_inverse=True)[1]
+
+    def only(self, chosen: npt.ArrayLike) -> Tracks:
+        """The tracks of some robots, given by index into `robots`."""
+        keep = np.zeros(len(self.robots), dtype=bool)
+        keep[np.asarray(chosen, dtype=np.int64)] = True
+        new_index = np.cumsum(keep) - 1
+        rows_kept = keep[self.row_robot]
+        moved = np.cumsum(rows_kept) - 1
+        in_rows = rows_kept[self.rows]
+        windows = keep[self.robot]
+        length = np.diff(np.append(self.first, len(self.rows)))[windows]
+        segments = keep[self.segment_robot]
+        return replace(
+            self,
+            robots=tuple(r for r, k in zip(self.robots, keep, strict=True) if k),
+            t=self.t[rows_kept],
+            commands=np.ascontiguousarray(self.commands[rows_kept]),
+            start=np.concatenate([[0], np.cumsum(np.diff(self.start)[segments])]),
+            segment_robot=new_index[self.segment_robot[segments]],
+            encoders=None if self.encoders is None else self.encoders[rows_kept],
+            rows=moved[self.rows[in_rows]],
+            first=np.concatenate([[0], np.cumsum(length)[:-1]]).astype(np.int64),
+            measured=self.measured[in_rows],
+            about=self.about[rows_kept],
+        )
+
+
+def cut_tracks(log: MeasuredLog, model: ModelFile, *, window: float = WINDOW) -> Tracks:
+    """The log's tracks in windows.
+
+    Args:
+        log: The measured log.
+        model: Whose geometry says where contact is.
+        window: s, longest; logs slower than a third of it get windows of `LEAST_ROWS` rows.
+
+    Raises:
+        InputError: no robot has a single window of free motion.
+    """
+    table = conditions(log, model)
+    robots, who = np.unique(log.frame["robot"].to_numpy(dtype=np.int64), return_inverse=True)
+    free = clear(table) & log.tracked
+    order = np.argsort(who, kind="stable")  # robots first; runs and time stay in order
+    t, stretch, segment = log.t[order], log.stretch[order], log.segment[order]
+    seconds = max(window, (LEAST_ROWS - 1) * log.step * 1.01)
+    rows, first = _windows(t, free[order], stretch, who[order], seconds, log.step)
+    if not len(first):
+        raise InputError("log", "no stretch of free motion", "robots that move clear of contact")
+    new = np.concatenate([[True], np.diff(segment) != 0])
+    start = np.append(np.flatnonzero(new), len(t))
+    noise = pose_noise(log, replay_log(log, model.point_model().drive))
+    frame = log.frame
+    encoders = None
+    if set(ENCODERS) <= set(frame.columns):
+        encoders = frame[list(ENCODERS)].to_numpy(dtype=np.float64)[order]
+    names = tuple(table.columns)
+    return Tracks(
+        robots=tuple(int(r) for r in robots),
+        t=t,
+        commands=np.ascontiguousarray(log.commands[order]),
+        start=start,
+        segment_robot=who[order][start[:-1]],
+        encoders=encoders,
+        rows=rows,
+        first=first,
+        measured=log.poses[order][rows],
+        about=table.to_numpy(dtype=np.float64)[order],
+        columns=names,
+        noise=noise,
+    )
+
+
+def _windows(
+    t: FloatArray,
+    free: npt.NDArray[np.bool_],
+    stretch: Rows,
+    who: Rows,
+    seconds: float,
+    step: float,
+) -> tuple[Rows, Rows]:
+    """Rows in windows of at most so many seconds, and where in them each window begins."""
+    rows = np.flatnonzero(free)
+    if not len(rows):
+        return rows, rows
+    away = np.diff(rows) > 1  # a contact or a lost pose between two rows ends a run of rows
+    lost = np.diff(t[rows]) > 3.5 * step
+    apart = (np.diff(stretch[rows]) != 0) | (np.diff(who[rows]) != 0)
+    begin = np.concatenate([[True], away | lost | apart])
+    run = np.cumsum(begin) - 1
+    since = t[rows] - t[rows][begin][run]
+    lasted = np.zeros(run[-1] + 1)
+    np.maximum.at(lasted, run, since)
+    pieces = np.maximum(1, np.ceil((lasted + step) / seconds - 0.2))
+    piece = np.floor(since / ((lasted + step) / pieces)[run])
+    new = begin | np.concatenate([[True], np.diff(piece) != 0])
+    window = np.cumsum(new) - 1
+    count = np.bincount(window)
+    span = np.zeros(len(count))
+    np.maximum.at(span, window, t[rows] - t[rows][new][window])
+    keep = (count >= LEAST_ROWS) & (span >= min(LEAST_SECONDS, (LEAST_ROWS - 1) * step * 0.9))
+    keep &= _spread(who[rows][new], keep)
+    rows, window = rows[keep[window]], window[keep[window]]
+    return rows, np.flatnonzero(np.concatenate([[True], np.diff(window) != 0])[: len(rows)])
+
+
+def _spread(who: Rows, usable: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """(windows,) at most `MOST_WINDOWS` of each robot's usable windows, evenly over its log."""
+    keep = np.zeros(len(who), dtype=bool)
+    for robot in np.unique(who):
+        mine = np.flatnonzero((who == robot) & usable)
+        if len(mine) > MOST_WINDOWS:
+            blocks = np.arange(len(mine)) // BLOCK_WINDOWS
+            wanted = np.linspace(0, blocks[-1], MOST_WINDOWS // BLOCK_WINDOWS).astype(np.int64)
+            mine = mine[np.isin(blocks, wanted)]
+        keep[mine] = True
+    return keep

@@ -1,0 +1,109 @@
+"""From fitted coordinates to physical values with intervals that a person can use."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from embedded_sim.model import FloatArray
+from models.identify.fit import Problem, Term, Terms
+from models.identify.measure import strength, uncertainty
+from models.identify.residual import deviance
+
+NOMINAL = 1.96
+"""Standard deviations of a normal variable on each side of 95 %."""
+PROFILE = 6.0
+"""Deviance within which a threshold that jumps between commanded speeds remains possible; twice
+what 95 % of a smooth parameter asks for, because neighbouring speeds are few."""
+
+
+class Value(NamedTuple):
+    """One parameter's value and its 95 % interval."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    unit: str
+
+
+def values(
+    term: Term,
+    coordinates: FloatArray,
+    covariance: FloatArray,
+    commands: FloatArray,
+    mean: FloatArray,
+    sd: FloatArray,
+) -> tuple[Value, ...]:
+    """A term's parameters less what healthy robots get for them.
+
+    The interval holds the fit's uncertainty and the spread of healthy robots: the part is what is
+    bought or set, not what this one robot happens to show.
+
+    Args:
+        term: Fitted.
+        coordinates: (p,).
+        covariance: (p, p).
+        commands: (rows, 2).
+        mean: (p,) healthy strength.
+        sd: (p,) healthy spread.
+    """
+    limits = any(not np.isfinite(p.null) for p in term.cause.parameters)
+    error = uncertainty(term, coordinates[None], covariance[None])[0]
+    half = NOMINAL * np.sqrt(error**2 + sd**2)
+    if limits:
+        deep = strength(term, coordinates[None], commands)[0]
+        fastest = float(np.abs(commands).max(initial=1e-9))
+        return tuple(
+            Value(
+                p.name,
+                fastest * float(np.exp(-e)),
+                fastest * float(np.exp(-e - h)),
+                fastest * float(np.exp(-e + h)),
+                p.unit,
+            )
+            for p, e, h in zip(term.cause.parameters, deep, half, strict=True)
+        )
+    found = []
+    for p, u, h in zip(term.cause.parameters, coordinates - mean, half, strict=True):
+        low, value, high = (p.value(float(np.clip(v, *p.bounds))) for v in (u - h, u, u + h))
+        found.append(Value(p.name, value, low, high, p.unit))
+    return tuple(found)
+
+
+def bracket(
+    problem: Problem, terms: Terms, coordinates: FloatArray, at: int
+) -> tuple[float, float, float]:
+    """A threshold that jumps: its best value and the range the data leaves possible.
+
+    Between two neighbouring commanded speeds every threshold is the same: the value is the middle
+    of the best such gap, and the interval joins the gaps that are not clearly worse.
+
+    Args:
+        problem: With a single group.
+        terms: The set.
+        coordinates: (1, p) fitted.
+        at: Column of the threshold.
+    """
+    speed = np.unique(np.abs(problem.tracks.commands))
+    speed = speed[speed > 0.0]
+    here = float(coordinates[0, at])
+    near = int(np.searchsorted(speed, here))
+    chosen = speed[max(0, near - REACH) : near + REACH]
+    edges = np.concatenate([[0.0 if near <= REACH else chosen[0]], chosen])
+    middles = 0.5 * (edges[1:] + edges[:-1])
+    losses = []
+    for middle in middles:
+        tried = coordinates.copy()
+        tried[0, at] = middle
+        rows = deviance(problem.residual(terms, tried), problem.row_scale)
+        losses.append(float(rows.sum()))
+    loss = np.array(losses)
+    possible = np.flatnonzero(loss < loss.min() + PROFILE)
+    best = int(np.argmin(loss))
+    return float(middles[best]), float(edges[possible[0]]), float(edges[possible[-1] + 1])
+
+
+REACH = 12
+"""Neighbouring commanded speeds looked at on each side of a threshold."""

@@ -1,0 +1,155 @@
+"""The healthy reference: what healthy robots do beyond the model, and how much they differ.
+
+Made from logs of robots known to be sound. It holds the inherent motion
+(`models.identify.inherent`), for every term of the catalogue the value that healthy robots and
+whole healthy swarms get for it, and the gates: how large a gain and how far a parameter must be
+beyond what health gives. What is named later is what changed.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from embedded_sim import Drive, InputError
+from embedded_sim.model import FloatArray
+from models.causes import Motion
+from models.identify.inherent import INHERENT
+
+DIRECTORY = Path(__file__).parent / "references"
+SCHEMA = 1
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Spread(_Strict):
+    """What healthy robots get for a term: coordinates (p,), see `models.causes.Parameter`."""
+
+    mean: tuple[float, ...]
+    sd: tuple[float, ...]
+    """Between robots, their own uncertainty taken off."""
+    swarm_mean: tuple[float, ...]
+    swarm_sd: tuple[float, ...]
+    """Between whole swarms (runs)."""
+    farthest: float
+    """Largest distance, in standard deviations, of a healthy robot."""
+    swarm_farthest: float
+
+
+class Structure(_Strict):
+    """What healthy robots get for a flexible term (`models.identify.structure`)."""
+
+    mean: float
+    sd: float
+
+
+class Gates(_Strict):
+    """What a name needs beyond what healthy robots show."""
+
+    gain: float = 12.0
+    """Held-out deviance that a term must take off: odds of 400 to 1."""
+    distance: float = 4.5
+    """Standard deviations from the healthy value, spread and uncertainty together: one in 10 000
+    healthy robots over the whole catalogue. Where healthy robots went further for a term, more."""
+    margin: float = 1.25
+    """Times the farthest healthy robot."""
+    structure: float = 6.0
+    """The same for a flexible term to be called unexplained."""
+
+
+class Reference(_Strict):
+    """What is believed of healthy robots."""
+
+    schema_version: int = SCHEMA
+    model: str
+    """Name in the model file it was made with."""
+    wheel_radius: float
+    axle: float
+    """m, of that model."""
+    robots: int
+    swarms: int
+    """Healthy robots and runs it was made from."""
+    inherent: tuple[float, ...]
+    """Coordinates of `models.identify.inherent.INHERENT`."""
+    terms: dict[str, Spread] = {}
+    structure: dict[str, Structure] = {}
+    gates: Gates = Gates()
+    command: str = ""
+    """What made it."""
+
+    def motion(self, believed: Motion) -> Motion:
+        """A healthy robot's motion where the model believes another."""
+        return INHERENT.applied(believed, np.array(self.inherent))
+
+    def gate(self, key: str, *, swarm: bool = False) -> float:
+        """Distance from health that a term needs."""
+        if key not in self.terms:
+            return self.gates.distance
+        found = self.terms[key]
+        farthest = found.swarm_farthest if swarm else found.farthest
+        return max(self.gates.distance, self.gates.margin * farthest)
+
+    def spread(self, key: str, size: int, *, swarm: bool = False) -> tuple[FloatArray, FloatArray]:
+        """(p,) healthy mean and standard deviation of a term's coordinates; zeros where unknown."""
+        if key not in self.terms:
+            return np.zeros(size), np.zeros(size)
+        found = self.terms[key]
+        if swarm:
+            return np.array(found.swarm_mean), np.array(found.swarm_sd)
+        return np.array(found.mean), np.array(found.sd)
+
+
+def write_reference(reference: Reference, path: Path) -> None:
+    """Write as JSON, numbers at full precision."""
+    text = json.dumps(reference.model_dump(mode="json"), indent=1, allow_nan=False)
+    path.write_text(text + "\n", encoding="utf-8")
+
+
+def read_reference(path: Path) -> Reference:
+    """Read a reference file.
+
+    Raises:
+        InputError: there is no such file, or it is not a reference.
+    """
+    if not path.is_file():
+        raise InputError("--reference", path, "a file written by `realitygap reference`, or none")
+    try:
+        values: Any = json.loads(path.read_text(encoding="utf-8"))
+        return Reference.model_validate(values)
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise InputError(str(path), str(error).splitlines()[0], "readable JSON") from None
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"]) or "content"
+        raise InputError(f"{path.name}: {where}", first["msg"], "a healthy reference") from None
+
+
+def shipped_reference(model: str) -> Reference | None:
+    """The reference that comes with the package for a model of this name; None: there is none."""
+    found = (read_reference(path) for path in sorted(DIRECTORY.glob("*.json")))
+    return next((reference for reference in found if reference.model == model), None)
+
+
+def no_reference(model: str, drive: Drive) -> Reference:
+    """What is believed where nobody measured healthy robots: the minimal model, no spread."""
+    return Reference(
+        model=model,
+        wheel_radius=float(np.mean(drive.wheel_radius)),
+        axle=drive.axle,
+        robots=0,
+        swarms=0,
+        inherent=no_inherent(),
+    )
+
+
+def no_inherent() -> tuple[float, ...]:
+    """Coordinates of the inherent motion at which the minimal model is left as it is."""
+    return tuple(
+        float(p.bounds[1]) if p.name == "acceleration" else 0.0 for p in INHERENT.parameters
+    )

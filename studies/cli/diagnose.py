@@ -1,0 +1,45 @@
+"""`realitygap diagnose`: what is wrong with the robots."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from studies.cli import app
+from studies.cli.options import Force, Out, Quiet
+
+EXAMPLE = """Example: realitygap diagnose out/run1 --out out/diagnosis"""
+
+
+@app.command(epilog=EXAMPLE)
+def diagnose(
+    log: Annotated[list[Path], typer.Argument(help="Measured logs, or directories of runs.")],
+    out: Out,
+    model: Annotated[
+        Optional[str],  # noqa: UP045 - typer reads this at run time
+        typer.Option(help="Model file, or the name of a shipped robot."),
+    ] = None,
+    reference: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(help="Healthy reference, or none; the shipped one of the model if absent."),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of the intervals' resampling.")] = 0,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Name the cause: which physical fault, of which robots, how large, and how sure.
+
+    Writes diagnosis.json, extended.toml (the model with what was named) and report.html.
+    """
+    from studies.diagnosis_files import Request, diagnose_files
+    from studies.diagnosis_words import verdict_sentence
+    from studies.output import check_free
+
+    check_free(out, force=force)
+    request = Request(logs=tuple(log), model=model, reference=reference, seed=seed)
+    found = diagnose_files(request, out, force=force)
+    if not quiet:
+        typer.echo(verdict_sentence(found))
+        typer.echo(f"{out / 'report.html'}: written")

@@ -1,0 +1,50 @@
+"""`realitygap reference`: what healthy robots do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from studies.cli import app
+from studies.cli.options import Force, Out, Quiet
+
+EXAMPLE = """Example: realitygap reference healthy1.parquet healthy2.parquet --out lab.json"""
+
+
+@app.command(epilog=EXAMPLE)
+def reference(
+    out: Out,
+    log: Annotated[
+        Optional[list[Path]],  # noqa: UP045 - typer reads this at run time
+        typer.Argument(help="Measured logs of sound robots, or directories of runs."),
+    ] = None,
+    model: Annotated[
+        Optional[str],  # noqa: UP045
+        typer.Option(help="Model file, or the name of a shipped robot."),
+    ] = None,
+    runs: Annotated[int, typer.Option(help="Healthy runs of the nominal world to record.")] = 0,
+    seed: Annotated[int, typer.Option(help="Of the recorded runs.")] = 0,
+    jobs: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option(help="Processes; all cores if absent."),
+    ] = None,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Measure health: what sound robots do beyond the model, and how much they differ.
+
+    `diagnose` names only what lies outside it. Use logs of robots you trust, several of them, of
+    the kind of motion you will diagnose. With --runs, healthy swarms of the nominal world are
+    recorded first: random search without light and co-evolution with it, two minutes each.
+    """
+    from studies.progress import Progress
+    from studies.reference_files import ReferenceRequest, write_reference_of
+
+    request = ReferenceRequest(logs=tuple(log or ()), runs=runs, seed=seed, model=model, jobs=jobs)
+    total = float(len(request.logs) + 2 * runs)
+    with Progress("reference", total, quiet) as shown:
+        made = write_reference_of(request, out, force=force, reach=shown.reach)
+    if not quiet:
+        shown.say(f"{made.robots} healthy robots in {made.swarms} runs: {out}")

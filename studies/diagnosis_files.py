@@ -1,0 +1,150 @@
+"""Diagnosis as files: measured logs in; diagnosis.json, extended.toml and report.html out."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from models.diagnosis import Diagnosis, as_json, extension, file_hash
+from models.extension import Extension
+from models.identify.diagnose import diagnose
+from models.log import SAMPLES, MeasuredLog, make_log, read_table
+from models.modelfile import ModelFile, find_model_file, read_model_file
+from models.reference import Reference, read_reference, shipped_reference
+from studies.output import whole_directory
+
+NO_REFERENCE = "none"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What to diagnose and with what."""
+
+    logs: tuple[Path, ...]
+    model: str | None = None
+    reference: str | None = None
+    seed: int = 0
+
+    @property
+    def command(self) -> str:
+        """What a user would type."""
+        words = ["realitygap diagnose", *(str(path) for path in self.logs)]
+        words += [f"--model {self.model}"] if self.model else []
+        words += [f"--reference {self.reference}"] if self.reference else []
+        words += [f"--seed {self.seed}"] if self.seed else []
+        return " ".join(words)
+
+
+def diagnose_files(request: Request, out: Path, *, force: bool = False) -> Diagnosis:
+    """Diagnose and write everything into a new directory.
+
+    Raises:
+        InputError: a log, model or reference cannot be used.
+    """
+    path = find_model_file(request.model)
+    model = read_model_file(path)
+    log = read_logs(request.logs, model)
+    healthy = _reference(request.reference, model)
+    examined = diagnose(log, model, healthy, seed=request.seed)
+    found = examined.diagnosis
+    named = extension(found, log_hash=_hash(request.logs), command=request.command)
+    from studies.diagnosis_report import write_report
+
+    with whole_directory(out, force=force) as part:
+        (part / "diagnosis.json").write_text(
+            json.dumps(as_json(found), indent=1, allow_nan=False) + "\n", encoding="utf-8"
+        )
+        write_extended(model, path, named, part)
+        write_report(examined, part / "report.html", command=request.command)
+    return found
+
+
+def read_logs(paths: Sequence[Path], model: ModelFile) -> MeasuredLog:
+    """One measured log out of one or several; robots of one id are one robot in all of them.
+
+    Raises:
+        InputError: as `models.log.read_log`.
+    """
+    tables = [read_table(path) for path in paths]
+    if len(tables) > 1:
+        for k, table in enumerate(tables):
+            run = table["run"].astype(str) if "run" in table else "run"
+            tables[k] = table.assign(run=f"{k + 1}/" + run)
+    return make_log(pd.concat(tables, ignore_index=True), drive=model.point_model().drive)
+
+
+def write_extended(model: ModelFile, source: Path, named: Extension, out: Path) -> None:
+    """The model with an extension as `extended.toml`, its sensor tables beside it."""
+    content: dict[str, Any] = model.model_dump(mode="json", exclude_none=True)
+    earlier = model.extension.causes if model.extension else ()
+    causes = [
+        cause.model_dump(mode="json", exclude_none=True) for cause in (*earlier, *named.causes)
+    ]
+    if model.sensors is not None:
+        tables = source.parent / model.sensors.tables
+        shutil.copyfile(tables, out / tables.name)
+        content["sensors"] = {"tables": tables.name}
+    content["extension"] = {"log": named.log, "command": named.command, "causes": causes}
+    (out / "extended.toml").write_text(to_toml(content), encoding="utf-8")
+
+
+def to_toml(content: dict[str, Any]) -> str:
+    """Tables of numbers, texts, lists and tables as TOML."""
+    scalars = {k: v for k, v in content.items() if not isinstance(v, dict) and not _tables(v)}
+    lines = [f"{key} = {_literal(value)}" for key, value in scalars.items()]
+    return "\n".join([*lines, *_nested(content, "")]) + "\n"
+
+
+def _nested(table: dict[str, Any], path: str) -> list[str]:
+    """Sections of the tables inside a table."""
+    lines = []
+    for key, value in table.items():
+        name = f"{path}{key}"
+        if isinstance(value, dict):
+            flat = [f"{k} = {_literal(v)}" for k, v in value.items() if not _tables(v)]
+            lines += ["", f"[{name}]", *flat, *_arrays(value, name)]
+    return lines
+
+
+def _arrays(table: dict[str, Any], path: str) -> list[str]:
+    """Arrays of tables inside a table, their own tables inline."""
+    lines = []
+    for key, value in table.items():
+        for item in value if _tables(value) else ():
+            flat = [f"{k} = {_literal(v)}" for k, v in item.items()]
+            lines += ["", f"[[{path}.{key}]]", *flat]
+    return lines
+
+
+def _tables(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and isinstance(value[0], dict)
+
+
+def _literal(value: Any) -> str:
+    """A TOML literal; tables inline."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{k} = {_literal(v)}" for k, v in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(_literal(v) for v in value) + "]"
+    if isinstance(value, float):
+        return repr(value)
+    return json.dumps(value)
+
+
+def _reference(given: str | None, model: ModelFile) -> Reference | None:
+    """The healthy reference asked for, or the shipped one of the model."""
+    if given == NO_REFERENCE:
+        return None
+    if given is not None:
+        return read_reference(Path(given))
+    return shipped_reference(model.name)
+
+
+def _hash(logs: Sequence[Path]) -> str:
+    return file_hash([path / SAMPLES if path.is_dir() else path for path in logs])

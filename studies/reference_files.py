@@ -1,0 +1,139 @@
+"""A healthy reference from logs, or from healthy runs recorded for it, on every core."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+
+from embedded_sim.errors import InputError
+from embedded_sim.model import FloatArray
+from models.identify.healthy import Healthy, fit_inherent, fit_terms, make_reference
+from models.identify.tracks import Tracks, cut_tracks
+from models.log import read_log
+from models.modelfile import read_model_file
+from models.reference import Reference, write_reference
+from studies.execution import Workers
+from studies.output import check_free, whole_file
+
+MINUTES = 2.0
+"""Simulated, of a recorded run: what a diagnosis is usually made of."""
+KINDS = (
+    ("search", "no-light"),
+    ("coevolution", "light-at-nest"),
+    ("search", "no-light"),
+    ("coevolution", "light-opposite-nest"),
+)
+"""Controller and case of the recorded runs, in turn: health must hold whatever robots do."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReferenceRequest:
+    """What to measure health from."""
+
+    logs: tuple[Path, ...] = ()
+    runs: int = 0
+    seed: int = 0
+    model: str | None = None
+    jobs: int | None = None
+
+    @property
+    def command(self) -> str:
+        """What a user would type."""
+        words = ["realitygap reference", *(str(path) for path in self.logs)]
+        words += [f"--runs {self.runs} --seed {self.seed}"] if self.runs else []
+        words += [f"--model {self.model}"] if self.model else []
+        return " ".join(words)
+
+
+def write_reference_of(
+    request: ReferenceRequest,
+    out: Path,
+    *,
+    force: bool = False,
+    reach: Callable[[float], None] = lambda done: None,
+) -> Reference:
+    """Fit a healthy reference and write it.
+
+    Raises:
+        InputError: neither logs nor runs, or a log cannot be used.
+    """
+    if not request.logs and request.runs < 1:
+        raise InputError("LOG", "nothing", "logs of healthy robots, or --runs to record some")
+    check_free(out, force=force)
+    model = read_model_file(request.model)
+    jobs = Workers.chosen(request.jobs, None).jobs
+    done = 0.0
+
+    def step(count: float) -> None:
+        nonlocal done
+        done += count
+        reach(done)
+
+    with (
+        tempfile.TemporaryDirectory(prefix="realitygap-") as room,
+        ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool,
+    ):
+        tasks = [(k, request.seed, Path(room)) for k in range(request.runs)]
+        recorded = []
+        for path in pool.map(_record, tasks):
+            recorded.append(path)
+            step(1.0)
+        paths = [*request.logs, *recorded]
+        inherent = []
+        for found in pool.map(_inherent, [(path, request.model) for path in paths]):
+            inherent.append(found)
+            step(0.3)
+        common = np.median(inherent, axis=0)
+        swarms: list[Healthy] = []
+        for healthy in pool.map(_terms, [(path, request.model, common) for path in paths]):
+            swarms.append(healthy)
+            step(0.7)
+    drive = model.motion().drive
+    made = make_reference(swarms, common, model=model.name, drive=drive, command=request.command)
+    with whole_file(out, force=force) as part:
+        write_reference(made, part)
+    return made
+
+
+def _record(task: tuple[int, int, Path]) -> Path:
+    """Record one healthy run of the nominal world."""
+    from studies.experiment import RunConfig, simulate
+
+    number, seed, room = task
+    controller, case = KINDS[number % len(KINDS)]
+    out = room / f"run{number}"
+    out.mkdir()
+    config = RunConfig.model_validate(
+        {
+            "case": case,
+            "controller": controller,
+            "minutes": MINUTES,
+            "seed": int(np.random.SeedSequence([seed, number]).generate_state(1)[0]),
+        }
+    )
+    simulate(config, (), out)
+    return out
+
+
+def _tracks(path: Path, model: str | None) -> Tracks:
+    believed = read_model_file(model)
+    return cut_tracks(read_log(path, drive=believed.motion().drive), believed)
+
+
+def _inherent(task: tuple[Path, str | None]) -> FloatArray:
+    return fit_inherent(_tracks(*task), read_model_file(task[1]).motion().drive)
+
+
+def _terms(task: tuple[Path, str | None, FloatArray]) -> Healthy:
+    from models.causes import Motion
+    from models.identify.inherent import INHERENT
+
+    path, model, inherent = task
+    believed = Motion(drive=read_model_file(model).motion().drive)
+    return fit_terms(_tracks(path, model), INHERENT.applied(believed, inherent))
