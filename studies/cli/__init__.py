@@ -19,7 +19,18 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-COMMANDS = ("demo", "run", "capture", "import_", "gap", "study", "reference", "diagnose")
+COMMANDS = (
+    "demo",
+    "run",
+    "capture",
+    "import_",
+    "gap",
+    "study",
+    "reference",
+    "diagnose",
+    "effects",
+    "blind",
+)
 """Modules of this package; importing one adds its command to `app`."""
 
 _UsageError: Any = typer.BadParameter.__base__

@@ -1,0 +1,11 @@
+"""What the diagnosis can be tried on: the effects it has a cause for."""
+
+from __future__ import annotations
+
+from models.causes import causes
+from studies.blind.menu import MENU
+
+
+def known_effects() -> tuple[str, ...]:
+    """Names in the menu's order."""
+    return tuple(name for name in MENU if name in causes())

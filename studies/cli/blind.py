@@ -1,0 +1,55 @@
+"""`realitygap blind`: how well causes are named, tried on effects nobody told the diagnosis of."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from studies.cli import app
+from studies.cli.options import Quiet
+
+
+@app.command(epilog="Example: realitygap blind --trials 60 --seed 3 --out out/blind")
+def blind(
+    out: Annotated[Path, typer.Option(help="The battery's directory; an unfinished one resumes.")],
+    trials: Annotated[int, typer.Option(help="Runs; a larger number extends a battery.")] = 200,
+    jobs: Annotated[
+        Optional[int],  # noqa: UP045 - typer reads this at run time
+        typer.Option(help="Processes; all cores if absent."),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Everything drawn follows from it.")] = 0,
+    only: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(help="Effect to draw from, repeatable; all the diagnosis knows if absent."),
+    ] = None,
+    at_bars: Annotated[
+        bool, typer.Option("--at-bars", help="Every effect at its bar, one robot, 120 s.")
+    ] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Hide effects at random, diagnose each log in a process that has nothing else, and score.
+
+    Writes blind.json, report.html, figures/ and a file per trial. Stopped or killed, the same
+    command goes on with the trials that are missing.
+    """
+    from studies.blind.battery import TrialsFailed, run_battery
+    from studies.blind.known import known_effects
+    from studies.blind.trials import blind_config
+    from studies.execution import Workers, WorkersLost
+
+    effects = tuple(only) if only else known_effects()
+    config = blind_config(trials=trials, seed=seed, effects=effects, at_bars=at_bars)
+    try:
+        summary = run_battery(config, out, Workers.chosen(jobs, None), quiet=quiet)
+    except (TrialsFailed, WorkersLost) as error:
+        typer.echo(f"realitygap: {error}; start the command again to go on", err=True)
+        raise typer.Exit(1) from None
+    if not quiet:
+        wrong, healthy = summary["wrong_names"], summary["healthy_robots_accused"]
+        typer.echo(
+            f"{summary['trials']} trials: {wrong['hits']} of {wrong['trials']} names wrong, "
+            f"{healthy['hits']} of {healthy['trials']} healthy robots accused; "
+            f"{out / 'report.html'}"
+        )

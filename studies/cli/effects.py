@@ -1,0 +1,34 @@
+"""`realitygap effects`: what can be hidden in reality, and what the diagnosis calls it."""
+
+from __future__ import annotations
+
+from studies.cli import app
+
+
+@app.command(epilog="Example: realitygap effects | less")
+def effects() -> None:
+    """Print the catalogue: names and keys for --effect, physics, and the cause that is named.
+
+    Keys show [bounds] and unit; null is the value that changes nothing.
+    """
+    from rich.console import Console
+
+    from studies.catalogue import KINDS, entries
+
+    console = Console(highlight=False)
+
+    def say(text: str, style: str = "") -> None:
+        console.print(text, style=style, markup=False, soft_wrap=not console.is_terminal)
+
+    for kind, heading in KINDS.items():
+        say(heading.upper(), "bold")
+        for entry in entries(kind):
+            effect = entry.effect
+            say(f"\n  {effect.name}" + ("" if effect.per_robot else "  (place)"), "bold cyan")
+            for key in entry.keys:
+                say(f"      {key}")
+            say(f"      physics: {effect.physics}")
+            say(f"      diagnosis: {entry.cause or 'not in its catalogue'}")
+            if entry.confusable_with:
+                say(f"      confusable with: {', '.join(entry.confusable_with)}")
+        say("")
