@@ -1,0 +1,70 @@
+"""What the documents tell a reader to do, done."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import types
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.causes.cause import Cause
+from models.causes.motion import Motion
+from reality.effects.effect import Effect
+from reality.hardware import Hardware
+from tests.helpers import ROOT, realitygap
+
+
+def blocks(document: str, language: str) -> list[str]:
+    text = (ROOT / document).read_text(encoding="utf-8")
+    return re.findall(rf"```{language}\n(.*?)```", text, flags=re.DOTALL)
+
+
+def module(code: str) -> types.ModuleType:
+    made = types.ModuleType("example")
+    exec(compile(code, "CONTRIBUTING.md", "exec"), made.__dict__)
+    return made
+
+
+def test_the_worked_example_of_an_effect_works() -> None:
+    hiding, believing = (module(code) for code in blocks("CONTRIBUTING.md", "python"))
+    effect, cause = hiding.EFFECT, believing.CAUSE
+    assert isinstance(effect, Effect)
+    assert isinstance(cause, Cause)
+    hardware = Hardware.nominal(3)
+    effect.apply(hardware, np.array([1]), {"shift": 0.002})
+    assert hardware.axle == pytest.approx([0.053, 0.051, 0.053])
+    believed = cause.change(Motion(), np.array([0.002]), "")
+    assert believed.drive.axle == pytest.approx(0.051)
+    assert cause.change(Motion(), np.array([0.0]), "") == Motion()
+
+
+def test_every_realitygap_command_of_the_readme_works(tmp_path: Path) -> None:
+    """In order, in a directory of its own, with the paths the README uses."""
+    (tmp_path / "docs").symlink_to(ROOT / "docs")
+    ran = 0
+    for line in "\n".join(blocks("README.md", "sh")).splitlines():
+        words = shlex.split(line, comments=True)
+        if words and words[0].endswith("realitygap"):
+            done = realitygap(*words[1:], cwd=tmp_path)
+            assert done.returncode == 0, f"{line}\n{done.stderr}"
+            ran += 1
+    assert ran >= 5
+
+
+def test_the_readmes_python_works_on_what_its_commands_wrote(tmp_path: Path) -> None:
+    done = realitygap(
+        "run", "--minutes", "1.1", "--robots", "2", "--out", tmp_path / "out" / "run", cwd=tmp_path
+    )
+    assert done.returncode == 0, done.stderr
+    (code,) = blocks("README.md", "python")
+    code = code.replace('"out/run/', f'"{tmp_path}/out/run/')
+    exec(compile(code, "README.md", "exec"), {})
+
+
+@pytest.mark.parametrize("target", ["demo", "test", "lint", "asan", "bench"])
+def test_every_make_target_of_the_readme_exists(target: str) -> None:
+    assert f"make {target}" in (ROOT / "README.md").read_text(encoding="utf-8")
+    assert re.search(rf"^{target}:", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
