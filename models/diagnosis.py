@@ -25,8 +25,10 @@ class Unexplained:
 
     channel: str
     share: float
-    """Of the error's mean square beyond noise, in the robots concerned."""
+    """Of the squared error, noise included, of the robots concerned."""
     where: str
+    quantity: str = ""
+    """The measured quantity that it follows (`models.identify.structure.QUANTITIES`)."""
     robots: tuple[int, ...] | Literal["all"] = "all"
     distance: float = 0.0
     """Standard deviations from what healthy robots show."""
@@ -80,7 +82,7 @@ def robots_of(named: Named) -> list[int] | str:
     return "all" if named.whole_swarm else list(named.robots)
 
 
-def next_experiment(named: tuple[Named, ...]) -> dict[str, object] | None:
+def next_experiment(named: tuple[Named, ...]) -> dict[str, Any] | None:
     """What to let the robots do next, for the first cause that has a rival."""
     for one in named:
         others = alternatives(one)
@@ -101,6 +103,7 @@ def as_json(found: Diagnosis) -> dict[str, Any]:
                 "channel": one.channel,
                 "share": one.share,
                 "where": one.where,
+                "quantity": one.quantity,
                 "robots": one.robots if one.robots == "all" else list(one.robots),
                 "distance": one.distance,
             }

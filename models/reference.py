@@ -47,6 +47,11 @@ class Structure(_Strict):
 
     mean: float
     sd: float
+    """Between robots, their own uncertainty taken off."""
+    swarm_sd: float
+    farthest: float
+    """Largest distance, in standard deviations, of a healthy robot."""
+    swarm_farthest: float
 
 
 class Gates(_Strict):
@@ -60,7 +65,8 @@ class Gates(_Strict):
     margin: float = 1.25
     """Times the farthest healthy robot."""
     structure: float = 6.0
-    """The same for a flexible term to be called unexplained."""
+    """Standard deviations from health that a flexible term needs to be called unexplained: one in
+    ten million healthy robots by chance alone, because the tails of some sixty terms are not."""
 
 
 class Reference(_Strict):

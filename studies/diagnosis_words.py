@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from models.diagnosis import Diagnosis, alternatives, robots_of
+from models.diagnosis import Diagnosis, Unexplained, alternatives, robots_of
 from models.identify.swarm import Named
 from models.identify.value import Value
 
@@ -20,9 +20,13 @@ def verdict_sentence(found: Diagnosis) -> str:
         return VERDICTS["nothing_wrong"]
     said = "; ".join(cause_sentence(one) for one in found.named)
     text = VERDICTS[found.verdict] + (f": {said}." if said else ".")
-    for one in found.unexplained:
-        text += f" Unexplained: {one.where} ({one.channel}, {100 * one.share:.0f} % of the error)."
-    return text
+    return " ".join([text, *(leftover_sentence(one) for one in found.unexplained)])
+
+
+def leftover_sentence(one: Unexplained) -> str:
+    """What no cause explains: who, what, following what, how much."""
+    robots = "all robots" if one.robots == "all" else ", ".join(f"robot {r}" for r in one.robots)
+    return f"{robots}: {one.where}; {100 * one.share:.1f} % of the squared error, cause unknown."
 
 
 def cause_sentence(named: Named) -> str:

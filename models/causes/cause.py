@@ -36,6 +36,8 @@ class Parameter:
     step: float
     """Coordinate's step for finite differences: a small but clearly visible change."""
     link: Link = "add"
+    doubt: float = 0.0
+    """Relative standard error of what the point model's term is worth in the physical unit."""
 
     @property
     def zero(self) -> float:
@@ -84,6 +86,9 @@ class Cause:
     columns: tuple[str, ...] = ()
     """Columns of the log beyond poses and commands without which it cannot be seen."""
     confusable_with: tuple[str, ...] = ()
+    family: str = ""
+    """Causes of one family shape the same moments of a path: one that is only roughly right leaves
+    errors that another seems to explain."""
     twins: tuple[str, ...] = ()
     """Causes that act on poses exactly alike; `separated_by` tells them apart."""
     separated_by: tuple[str, ...] = ()

@@ -18,6 +18,7 @@ CAUSE = Cause(
     meaning="the tracker's clock is offset from the robots': poses are stamped late (early if < 0)",
     parameters=(Parameter(name="seconds", unit="s", null=0.0, low=-1.0, high=1.0, step=1e-3),),
     change=_change,
+    family="transient",
     confusable_with=("command_latency",),
     twins=("command_latency",),
     separated_by=("wheel_left", "wheel_right"),

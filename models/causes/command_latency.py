@@ -19,6 +19,7 @@ CAUSE = Cause(
     meaning="commands reach the motors later than the model believes",
     parameters=(Parameter(name="seconds", unit="s", null=0.0, low=-0.1, high=1.0, step=1e-3),),
     change=_change,
+    family="transient",
     confusable_with=("motor_lag", "clock_offset"),
     twins=("clock_offset",),
     separated_by=("wheel_left", "wheel_right"),

@@ -9,7 +9,9 @@ import numpy as np
 from embedded_sim.model import FloatArray
 from models.causes import Motion, causes
 from models.diagnosis import Diagnosis, Gain
+from models.identify.leftover import leftover
 from models.identify.predict import poses
+from models.identify.structure import Follow, follows
 from models.identify.swarm import Identified, identify
 from models.identify.tracks import Tracks, cut_tracks
 from models.log import MeasuredLog
@@ -26,7 +28,9 @@ class Examination:
 
     tracks: Tracks
     model: ModelFile
+    reference: Reference
     identified: Identified
+    structure: list[Follow]
     diagnosis: Diagnosis
 
 
@@ -49,15 +53,24 @@ def diagnose(
     healthy = no_reference(model.name, model.motion().drive) if reference is None else reference
     found = identify(tracks, healthy, believed)
     gain = _gain(tracks, believed, found, np.random.default_rng(seed))
+    structure = follows(tracks, found.explained)
     diagnosis = Diagnosis(
         named=found.named,
+        unexplained=leftover(tracks, structure, found, healthy),
         gain=gain,
         not_checked=_not_checked(tracks, reference),
         notes=log.notes,
         robots=tracks.robots,
         reference="" if reference is None else reference.model,
     )
-    return Examination(tracks=tracks, model=model, identified=found, diagnosis=diagnosis)
+    return Examination(
+        tracks=tracks,
+        model=model,
+        reference=healthy,
+        identified=found,
+        structure=structure,
+        diagnosis=diagnosis,
+    )
 
 
 def _not_checked(tracks: Tracks, reference: Reference | None) -> tuple[str, ...]:

@@ -14,8 +14,9 @@ from models.identify.candidates import candidates, own_starts
 from models.identify.fit import Fit, Problem, Term
 from models.identify.inherent import INHERENT
 from models.identify.measure import distance, strength, uncertainty
+from models.identify.structure import follows, pool
 from models.identify.tracks import Tracks
-from models.reference import Reference, Spread
+from models.reference import Reference, Spread, Structure
 
 STARTS = (
     (0.0, 0.0, -0.006, 0.012, -0.2, 0.0),
@@ -47,6 +48,8 @@ class Healthy:
     """By term: fit with a group per robot, and each robot's held-out gain."""
     swarm: dict[str, tuple[Fit, FloatArray]]
     number: int
+    structure: dict[str, FloatArray]
+    """By flexible term: (robots, 2) size and its error."""
 
 
 def fit_terms(tracks: Tracks, healthy: Motion) -> Healthy:
@@ -63,7 +66,11 @@ def fit_terms(tracks: Tracks, healthy: Motion) -> Healthy:
                 fit = problem.fit((term,), [np.tile(s, (problem.count, 1)) for s in begin])
                 kept[term.key] = (_light(fit), problem.by_group(problem.gain(none, fit)))
         parts.append(kept)
-    return Healthy(tracks.commands, parts[0], parts[1], robots)
+    flexible = {
+        one.key: np.column_stack([one.size, one.error])
+        for one in follows(tracks, [healthy] * robots)
+    }
+    return Healthy(tracks.commands, parts[0], parts[1], robots, flexible)
 
 
 def _light(fit: Fit) -> Fit:
@@ -107,8 +114,32 @@ def make_reference(
         swarms=len(swarms),
         inherent=tuple(float(v) for v in inherent),
         terms=terms,
+        structure=_structure([s.structure for s in swarms]),
         command=command,
     )
+
+
+def _structure(swarms: Sequence[dict[str, FloatArray]]) -> dict[str, Structure]:
+    """What healthy robots and swarms get for every flexible term."""
+    found = {}
+    for key in sorted({key for swarm in swarms for key in swarm}):
+        each = [swarm[key] for swarm in swarms if key in swarm]
+        rows = np.concatenate(each)
+        pooled = np.array([pool(one[:, 0], one[:, 1]) for one in each])
+        mean = float(np.mean(rows[:, 0]))
+        sd, far = _beyond(rows - [mean, 0.0])
+        swarm_sd, swarm_far = _beyond(pooled - [mean, 0.0])
+        found[key] = Structure(
+            mean=mean, sd=sd, swarm_sd=swarm_sd, farthest=far, swarm_farthest=swarm_far
+        )
+    return found
+
+
+def _beyond(rows: FloatArray) -> tuple[float, float]:
+    """Spread of (n, 2) values beyond their own errors, and the farthest of them."""
+    own = float(np.median(rows[:, 1] ** 2))
+    sd = float(np.sqrt(max(float(np.mean(rows[:, 0] ** 2)) - own, own / 9.0)))
+    return sd, float(np.max(np.abs(rows[:, 0]) / np.hypot(rows[:, 1], sd)))
 
 
 Fitted = tuple[tuple[Fit, FloatArray], FloatArray]

@@ -65,7 +65,7 @@ def _doses(term: Term, commands: FloatArray) -> list[FloatArray]:
     if not term.cause.smooth or not all(np.isfinite(p.null) for p in term.cause.parameters):
         return own_starts(term, commands)[:: 3 if not term.cause.smooth else 1]
     steps = np.diag([p.step for p in term.cause.parameters])
-    return list(steps)
+    return [*steps, *term.cause.starts(commands)]
 
 
 def _step(

@@ -7,7 +7,7 @@ stays within that spread is how healthy robots differ: it is kept in the fit, un
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import stats
@@ -32,6 +32,10 @@ PROMISING_SHARE = 0.1
 """Of the most promising term's, likewise: a step underrates what is far from linear."""
 MUCH = 200.0
 """Promised deviance that always earns a fit."""
+FAMILY = 0.1
+"""Of a stronger cause's gain that one of its family needs to be named beside it."""
+ANY = 0.01
+"""Of a stronger cause's gain that any other needs: no model of a cause is exact."""
 RIVAL_SHARE = 0.3
 """Of the gain that a term needs to be looked at as a rival."""
 
@@ -53,8 +57,10 @@ class Evidence:
     """Of a healthy robot showing as much, normal tails."""
     distance: float
     """Standard deviations from the healthy value."""
-    rivals: tuple[Term, ...]
+    rivals: tuple[Term, ...] = ()
     """Terms that could stand in its place."""
+    gains: tuple[tuple[str, float], ...] = ()
+    """Held-out deviance that every term fitted at its turn took off, best first."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -82,12 +88,23 @@ def choose(problem: Problem, reference: Reference, *, swarm: bool = False) -> Ch
     before = problem.at((), np.zeros((1, 0)))
     kept, tried = search.forward(before)
     kept = search.needed(kept)
-    named = []
-    for term in kept.terms:
-        evidence = search.evidence(kept, term, tried.get(term, {}))
-        if evidence is not None:
-            named.append(evidence)
+    found = [search.evidence(kept, term) for term in kept.terms]
+    strong = search.without_companions([one for one in found if one is not None])
+    nuisance = [t for t in kept.terms if t not in [one.term for one in strong]]
+    named = [
+        replace(
+            one,
+            rivals=search.rivals(kept, one.term, tried.get(one.term, {}), nuisance),
+            gains=_ranked(tried.get(one.term, {})),
+        )
+        for one in strong
+    ]
     return Choice(named=tuple(named), fit=kept, before=before)
+
+
+def _ranked(gains: dict[Term, float]) -> tuple[tuple[str, float], ...]:
+    """Terms by name, best first."""
+    return tuple(sorted(((t.key, g) for t, g in gains.items()), key=lambda kg: -kg[1]))
 
 
 class _Search:
@@ -124,7 +141,20 @@ class _Search:
             kept = self.without(kept, weakest)
         return kept
 
-    def evidence(self, kept: Fit, term: Term, tried: dict[Term, float]) -> Evidence | None:
+    def without_companions(self, found: list[Evidence]) -> list[Evidence]:
+        """The evidence but for terms that only mend what a stronger one of their kind leaves."""
+        strong = []
+        for one in found:
+            cause = one.term.cause
+            mends = any(
+                one.gain < (FAMILY if cause.family and cause.family == other.family else ANY) * top
+                for top, other in ((o.gain, o.term.cause) for o in found if o is not one)
+            )
+            if not mends:
+                strong.append(one)
+        return strong
+
+    def evidence(self, kept: Fit, term: Term) -> Evidence | None:
         """A kept term's evidence, or None where it is how healthy robots differ."""
         without = self.without(kept, term)
         gain = float(self.problem.gain(without, kept).sum())
@@ -143,7 +173,6 @@ class _Search:
             share=gain / total,
             p_value=float(2.0 * stats.norm.sf(away)),
             distance=away,
-            rivals=self._rivals(kept, without, term, tried),
         )
 
     def distance(
@@ -200,10 +229,14 @@ class _Search:
         best = max(fits.values(), key=lambda f: float(problem.gain(kept, f).sum()))
         problem.scale = problem.spread(best.residual)
 
-    def _rivals(
-        self, kept: Fit, without: Fit, term: Term, tried: dict[Term, float]
+    def rivals(
+        self, kept: Fit, term: Term, tried: dict[Term, float], nuisance: list[Term]
     ) -> tuple[Term, ...]:
-        """Terms that could stand in a term's place without being clearly worse."""
+        """Terms that could stand in a term's place without being clearly worse.
+
+        A rival that needs an unnamed term to leave health would be two causes for one.
+        """
+        without = self.without(kept, term)
         own = max(tried.get(term, 0.0), 1e-9)
         names = {t.cause.name for t in kept.terms} - {term.cause.name}
         found = []
@@ -211,9 +244,21 @@ class _Search:
             if other == term or other.cause.name in names or gain < RIVAL_SHARE * own:
                 continue
             fit = self._with(without, other)
-            if fit is not None and not self._worse(kept, fit):
+            if fit is not None and not self._worse(kept, fit) and self._alone(kept, fit, nuisance):
                 found.append(other)
         return tuple(found)
+
+    def _alone(self, kept: Fit, rival: Fit, nuisance: list[Term]) -> bool:
+        """Whether the unnamed terms stay as near to health as they were."""
+        for term in nuisance:
+            far = []
+            for fit in (kept, rival):
+                part = fit.part(term)
+                spread = fit.covariance[:, part, part]
+                far.append(self.distance(term, fit.coordinates[:, part], spread, 0.0))
+            if far[1] > max(self.reference.gate(term.key, swarm=self.swarm), 1.5 * far[0]):
+                return False
+        return True
 
     def _worse(self, kept: Fit, rival: Fit) -> bool:
         """Whether a rival set is clearly worse on held-out blocks."""

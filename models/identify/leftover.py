@@ -1,0 +1,102 @@
+"""What stays unexplained: flexible terms beyond health that no named cause has taken away."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from embedded_sim.model import FloatArray
+from models.diagnosis import Unexplained
+from models.identify.structure import CHANNELS, QUANTITIES, Follow, pool
+from models.identify.swarm import Identified
+from models.identify.tracks import Tracks
+from models.reference import Reference
+
+MENDED = 0.05
+"""Of the named causes' gain that a leftover must exceed: no model of a cause is exact."""
+LEAST_SWARM = 3
+"""Robots that make a swarm."""
+
+
+def leftover(
+    tracks: Tracks, found: list[Follow], identified: Identified, reference: Reference
+) -> tuple[Unexplained, ...]:
+    """The most conspicuous leftover of the swarm, or of each robot.
+
+    Args:
+        tracks: The log's.
+        found: Flexible terms beyond everything kept.
+        identified: What was named.
+        reference: What healthy robots show; without it nothing can be called unexplained.
+    """
+    usable = [one for one in found if one.key in reference.structure]
+    if not usable:
+        return ()
+    named = np.zeros(len(tracks.robots))
+    for one in identified.named:
+        share = one.evidence.gain / len(one.robots)
+        named += np.isin(tracks.robots, one.robots) * share
+    whole = _swarm(tracks, usable, reference, named)
+    if whole is not None:
+        return (whole,)
+    far = np.array([_distance(one, reference) for one in usable])
+    gain = np.array([one.gain for one in usable])
+    far = np.where((gain > MENDED * named) & (gain > reference.gates.gain), far, 0.0)
+    gates = np.array([_gate(one, reference) for one in usable])
+    result = []
+    for k, robot in enumerate(tracks.robots):
+        best = int(np.argmax(far[:, k] / gates))
+        if far[best, k] > gates[best]:
+            result.append(_said(usable[best], (robot,), far[best, k], float(gain[best, k]), tracks))
+    return tuple(result)
+
+
+def _swarm(
+    tracks: Tracks, found: list[Follow], reference: Reference, named: FloatArray
+) -> Unexplained | None:
+    """What the whole swarm shares: the pooled size lies beyond what healthy swarms show."""
+    if len(tracks.robots) < LEAST_SWARM:
+        return None
+    best, most = None, 1.0
+    for one in found:
+        health = reference.structure[one.key]
+        mean, error = pool(one.size, one.error)
+        far = abs(mean - health.mean) / np.hypot(error, health.swarm_sd)
+        alike = np.abs(one.size - mean) < 5.0 * np.hypot(one.error, health.sd)
+        beyond = one.gain.sum() > MENDED * named.sum()
+        gate = max(reference.gates.structure, reference.gates.margin * health.swarm_farthest)
+        if alike.all() and beyond and far / gate > most:
+            best, most = (one, float(far)), far / gate
+    if best is None:
+        return None
+    one, far = best
+    return _said(one, "all", far, float(one.gain.sum()), tracks)
+
+
+def _distance(one: Follow, reference: Reference) -> FloatArray:
+    """(robots,) standard deviations from health."""
+    health = reference.structure[one.key]
+    return np.asarray(np.abs(one.size - health.mean) / np.hypot(one.error, health.sd))
+
+
+def _gate(one: Follow, reference: Reference) -> float:
+    health = reference.structure[one.key]
+    return max(reference.gates.structure, reference.gates.margin * health.farthest)
+
+
+def _said(
+    one: Follow, robots: tuple[int, ...] | str, far: float, gain: float, tracks: Tracks
+) -> Unexplained:
+    """One leftover in words."""
+    rows = (
+        len(tracks.rows)
+        if robots == "all"
+        else len(tracks.only([tracks.robots.index(r) for r in robots]).rows)
+    )
+    return Unexplained(
+        channel=one.channel,
+        share=float(gain / (gain + 3.0 * rows)),
+        where=f"{CHANNELS[one.channel]} depending on {QUANTITIES[one.quantity]}",
+        quantity=one.quantity,
+        robots="all" if robots == "all" else tuple(robots),  # type: ignore[arg-type]
+        distance=float(far),
+    )

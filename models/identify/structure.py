@@ -1,0 +1,202 @@
+"""What follows which measured quantity: flexible terms that no physics stands behind.
+
+Whatever is wrong with a robot, if it follows something measured (heading, place, time, speed, a
+wheel's angle, neighbours), then speed, bend or turn rate change in step with that quantity. Each
+such change is carried through the predicted path as a cause would be and fitted to the errors that
+the named causes leave; its size is judged against what healthy robots show for the same quantity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from embedded_sim.model import FloatArray
+from models.causes import Motion
+from models.identify.fit import Problem
+from models.identify.predict import poses, wheel_angles
+from models.identify.residual import weights
+from models.identify.tracks import Tracks
+
+CHANNELS = {
+    "speed": "it drives faster or slower",
+    "bend": "its path bends",
+    "turn_rate": "it turns faster or slower",
+}
+"""What may follow a quantity, in words."""
+
+QUANTITIES = {
+    "heading": "which way it faces",
+    "heading_twice": "which axis it faces along",
+    "place": "where in the arena it is",
+    "radial": "whether it faces away from or towards the arena's middle",
+    "radius": "how far from the arena's middle it is",
+    "time": "how long the log has lasted",
+    "speed": "how fast it is told to drive",
+    "speed_squared": "the square of the commanded speed",
+    "turning": "how fast it is told to turn",
+    "turn_side": "to which side it is told to turn",
+    "left_wheel_angle": "the angle of its left wheel",
+    "right_wheel_angle": "the angle of its right wheel",
+    "wall": "how near the wall is",
+    "neighbour": "how near the next robot is",
+    "change": "how much the command has just changed",
+    "food": "whether it carries or is on food",
+    "nest": "whether it is in the nest",
+}
+"""What it may follow, in words."""
+
+NEAR = 0.1
+"""m: scale on which nearness to walls and robots counts."""
+RECENT = 0.2
+"""s: scale on which a change of command is recent."""
+
+
+class Follow(NamedTuple):
+    """One flexible term, per robot."""
+
+    channel: str
+    quantity: str
+    part: str
+    """Which of a quantity's functions, such as its sine."""
+    size: FloatArray
+    """(robots,) relative change per standard deviation of the quantity."""
+    error: FloatArray
+    """(robots,) by blocks."""
+    gain: FloatArray
+    """(robots,) deviance it takes off."""
+
+    @property
+    def key(self) -> str:
+        """A name for tables."""
+        return f"{self.channel}/{self.quantity}{self.part}"
+
+
+def follows(tracks: Tracks, motions: Sequence[Motion]) -> list[Follow]:
+    """Every flexible term's size in every robot, beyond the given motions."""
+    problem = Problem(tracks, motions)
+    predicted = poses(tracks, motions)
+    errors = problem.fitter(predicted)
+    problem.scale = problem.spread(errors)
+    w = weights(errors, problem.row_scale)
+    step = _Steps(tracks, predicted)
+    found = []
+    for (quantity, part), values in _quantities(tracks, motions).items():
+        q = _standardised(problem, values[tracks.rows])
+        if q is None:
+            continue
+        for channel in CHANNELS:
+            change = step.change(channel, q)
+            column = problem.fitter.derivative(predicted[:, :2], change, predicted[:, 2])
+            size, error, gain = _least_squares(problem, column, errors, w)
+            found.append(Follow(channel, quantity, part, size, error, gain))
+    return found
+
+
+class _Steps:
+    """The predicted path from row to row within windows."""
+
+    def __init__(self, tracks: Tracks, predicted: FloatArray) -> None:
+        self._first, self._window = tracks.first, tracks.window
+        move = np.diff(predicted, axis=0, prepend=predicted[:1])
+        move[tracks.first] = 0.0
+        middle = predicted[:, 2] - 0.5 * move[:, 2]
+        self._ahead = np.cos(middle) * move[:, 0] + np.sin(middle) * move[:, 1]
+        self._turn = move[:, 2]
+        self._cos, self._sin = np.cos(middle), np.sin(middle)
+
+    def change(self, channel: str, q: FloatArray) -> FloatArray:
+        """(n, 3) change of the predicted poses per unit of a term whose strength follows q."""
+        ahead, turn = np.zeros_like(q), np.zeros_like(q)
+        if channel == "speed":
+            ahead = q * self._ahead
+        elif channel == "bend":
+            turn = q * np.abs(self._ahead) / 0.1  # rad per 100 mm driven
+        else:
+            turn = q * self._turn
+        swing = self._sum(turn)
+        x = self._sum(self._cos * ahead - self._sin * self._ahead * swing)
+        y = self._sum(self._sin * ahead + self._cos * self._ahead * swing)
+        return np.column_stack([x, y, swing])
+
+    def _sum(self, values: FloatArray) -> FloatArray:
+        """Sums from each window's first row."""
+        total = np.cumsum(values)
+        return np.asarray(total - (total - values)[self._first][self._window])
+
+
+def _quantities(tracks: Tracks, motions: Sequence[Motion]) -> dict[tuple[str, str], FloatArray]:
+    """(rows,) values of every function of every quantity that the log has."""
+    about = {name: tracks.about[:, k] for k, name in enumerate(tracks.columns)}
+    heading, x, y = about["heading"], about["x"], about["y"]
+    bearing = np.arctan2(y, x)
+    angle = wheel_angles(tracks, motions)
+    speed, turn = about["speed"], about["turn"]
+    changed = np.flatnonzero(about["change"] > 0.0)
+    last = np.searchsorted(changed, np.arange(len(tracks.t)), side="right") - 1
+    since = np.where(last >= 0, tracks.t - tracks.t[changed[last.clip(0)]], np.inf)
+    values = {
+        ("heading", " sin"): np.sin(heading),
+        ("heading", " cos"): np.cos(heading),
+        ("heading_twice", " sin"): np.sin(2.0 * heading),
+        ("heading_twice", " cos"): np.cos(2.0 * heading),
+        ("place", " x"): x,
+        ("place", " y"): y,
+        ("radial", ""): np.cos(heading - bearing),
+        ("radius", ""): about["radius"],
+        ("time", ""): about["time"],
+        ("speed", ""): np.abs(speed),
+        ("speed_squared", ""): speed**2,
+        ("turning", ""): np.abs(turn),
+        ("turn_side", ""): np.sign(turn),
+        ("left_wheel_angle", " sin"): np.sin(angle[:, 0]),
+        ("left_wheel_angle", " cos"): np.cos(angle[:, 0]),
+        ("right_wheel_angle", " sin"): np.sin(angle[:, 1]),
+        ("right_wheel_angle", " cos"): np.cos(angle[:, 1]),
+        ("neighbour", ""): np.exp(-about["near_robot"].clip(0.0) / NEAR),
+        ("change", ""): np.exp(-np.maximum(since, 0.0) / RECENT),
+    }
+    if "near_wall" in about:
+        values["wall", ""] = np.exp(-about["near_wall"].clip(0.0) / NEAR)
+    for name in ("food", "nest"):
+        if name in about:
+            values[name, ""] = about[name]
+    return {key: np.nan_to_num(v) for key, v in values.items()}
+
+
+def _standardised(problem: Problem, q: FloatArray) -> FloatArray | None:
+    """Per robot mean 0 and standard deviation 1; None where the quantity never varies."""
+    robot = problem.tracks.robot[problem.tracks.window]
+    count = np.maximum(np.bincount(robot, minlength=problem.count), 1)
+    mean = np.bincount(robot, q, problem.count) / count
+    centred = q - mean[robot]
+    sd = np.sqrt(np.bincount(robot, centred**2, problem.count) / count)
+    if sd.max() < 1e-9:
+        return None
+    return np.asarray(centred / np.maximum(sd, 1e-9)[robot] * (sd > 1e-9)[robot])
+
+
+def _least_squares(
+    problem: Problem, column: FloatArray, errors: FloatArray, w: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Size, its error by blocks, and the gain, per robot."""
+    first = problem.tracks.first
+    slope = np.add.reduceat((w * column * errors).sum(axis=1), first)
+    bend = np.add.reduceat((w * column * column).sum(axis=1), first)
+    curvature = np.maximum(problem.by_group(bend), 1e-12)
+    size = -problem.by_group(slope) / curvature
+    left = slope + bend * size[problem.window_group]
+    block = problem.tracks.block
+    total = np.bincount(block, left)
+    group = problem.window_group[np.searchsorted(block, np.arange(len(total)))]
+    meat = np.bincount(group, total**2, problem.count)
+    error = np.sqrt(np.maximum(meat, curvature)) / curvature
+    return size, error, size**2 * curvature
+
+
+def pool(size: FloatArray, error: FloatArray) -> tuple[float, float]:
+    """What several robots say together: their mean weighted by certainty, and its error."""
+    weight = 1.0 / np.maximum(error, 1e-12) ** 2
+    return float((weight * size).sum() / weight.sum()), float(1.0 / np.sqrt(weight.sum()))

@@ -1,0 +1,166 @@
+"""The pictures of a diagnosis: error before and after, rivals, profiles, what is left."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import seaborn as sns
+from matplotlib.figure import Figure
+
+from embedded_sim.model import FloatArray
+from models.causes import Motion
+from models.identify.diagnose import Examination
+from models.identify.fit import Problem
+from models.identify.predict import poses
+from models.identify.swarm import Named
+from models.identify.tracks import Tracks
+
+AGES = (0.2, 0.4, 0.6, 0.8, 1.0)
+"""s after a window's beginning at which its error is shown."""
+PROFILE_POINTS = 21
+DPI = 100
+KINDS = ("model alone", "healthy robot", "with what was found")
+
+
+def ahead(tracks: Tracks, motions: list[Motion], age: float) -> FloatArray:
+    """(windows,) m between predicted and measured position so long after each window's beginning.
+
+    NaN where the window is shorter.
+    """
+    seen = poses(tracks, motions)
+    begin = tracks.t[tracks.rows[tracks.first]]
+    since = tracks.t[tracks.rows] - begin[tracks.window]
+    last = np.append(tracks.first[1:], len(tracks.rows)) - 1
+    reached = np.searchsorted(since + 1e6 * tracks.window, age - 0.01 + 1e6 * np.arange(len(last)))
+    ok = reached <= last
+    at = np.minimum(reached, last)
+    turn = tracks.measured[tracks.first, 2] - seen[tracks.first, 2]
+    step = seen[at, :2] - seen[tracks.first, :2]
+    c, s = np.cos(turn), np.sin(turn)
+    told = np.column_stack([c * step[:, 0] - s * step[:, 1], s * step[:, 0] + c * step[:, 1]])
+    went = tracks.measured[at, :2] - tracks.measured[tracks.first, :2]
+    return np.where(ok, np.hypot(*(went - told).T), np.nan)
+
+
+def error_table(examined: Examination) -> pd.DataFrame:
+    """Mean error (mm) per robot, age and kind of prediction."""
+    tracks, found = examined.tracks, examined.identified
+    believed = [examined.model.motion(robot) for robot in tracks.robots]
+    rows = []
+    for kind, motions in zip(
+        KINDS, (believed, list(found.base), list(found.explained)), strict=True
+    ):
+        for age in AGES:
+            error = 1e3 * ahead(tracks, motions, age)
+            for k, robot in enumerate(tracks.robots):
+                mine = error[tracks.robot == k]
+                if np.isfinite(mine).any():
+                    rows.append((robot, age, kind, float(np.nanmean(mine))))
+    return pd.DataFrame(rows, columns=["robot", "age", "kind", "error"])
+
+
+def draw_errors(table: pd.DataFrame, concerned: set[int], path: Path) -> None:
+    """Error by age for the robots concerned, and per robot after a second."""
+    figure = _figure(10, 3.6)
+    by_age, by_robot = figure.subplots(1, 2, width_ratios=(1, 1.5))
+    mine = table[table["robot"].isin(concerned)] if concerned else table
+    sns.lineplot(mine, x="age", y="error", hue="kind", style="kind", markers=True, ax=by_age)
+    by_age.set(xlabel="s ahead", ylabel="mean position error (mm)", ylim=(0, None))
+    by_age.legend(title=None, fontsize=8)
+    last = table[table["age"] == table["age"].max()]
+    sns.barplot(last, x="robot", y="error", hue="kind", ax=by_robot, legend=False)
+    by_robot.set(xlabel="robot", ylabel=f"mm, {AGES[-1]:g} s ahead")
+    _save(figure, path)
+
+
+def draw_rivals(named: tuple[Named, ...], path: Path) -> None:
+    """What every term took off the held-out error at each named cause's turn."""
+    figure = _figure(10, 0.6 + 2.6 * len(named))
+    for axis, one in zip(np.atleast_1d(figure.subplots(len(named), 1)), named, strict=True):
+        gains = [(name, max(gain, 0.0)) for name, gain in one.evidence.gains][:8]
+        names, values = [n for n, _ in gains], [v for _, v in gains]
+        sns.barplot(x=values, y=names, ax=axis, color="#4878a8")
+        axis.set(xlabel="deviance taken off held-out blocks", ylabel="")
+        axis.set_title(f"{one.term.cause.name}: against its rivals", fontsize=10)
+    _save(figure, path)
+
+
+def draw_profiles(examined: Examination, path: Path) -> None:
+    """Deviance against each named parameter, the robot's other terms as found."""
+    shown = [one for one in examined.diagnosis.named if one.term.cause.smooth][:3]
+    figure = _figure(10, 3.0)
+    for axis, one in zip(np.atleast_1d(figure.subplots(1, len(shown))), shown, strict=True):
+        value = one.values[0]
+        reach = max(value.high - value.value, value.value - value.low, 1e-12)
+        parameter = one.term.cause.parameters[0]
+        low, high = max(parameter.low, value.value - 3 * reach), value.value + 3 * reach
+        tried = np.linspace(low, min(high, parameter.high), PROFILE_POINTS)
+        loss = _profile(examined, one, tried)
+        axis.plot(tried, loss - loss.min(), color="#4878a8")
+        axis.axvspan(value.low, value.high, alpha=0.2, color="#4878a8")
+        axis.axvline(value.value, color="#222222", linewidth=1)
+        axis.set(xlabel=f"{one.term.cause.name}: {value.name} ({value.unit})", ylabel="deviance")
+    _save(figure, path)
+
+
+def draw_left(examined: Examination, path: Path) -> None:
+    """How far from health each flexible term is, per robot, after everything found."""
+    reference = examined.reference
+    rows = []
+    for one in examined.structure:
+        health = reference.structure.get(one.key)
+        mean, sd = (health.mean, health.sd) if health else (0.0, 0.0)
+        far = np.abs(one.size - mean) / np.hypot(one.error, sd)
+        rows += [
+            (one.quantity.replace("_", " "), robot, float(z))
+            for robot, z in zip(examined.tracks.robots, far, strict=True)
+        ]
+    table = pd.DataFrame(rows, columns=["quantity", "robot", "z"])
+    grid = table.pivot_table(index="quantity", columns="robot", values="z", aggfunc="max")
+    figure = _figure(10, 5.0)
+    axis = figure.subplots()
+    sns.heatmap(grid, vmin=0.0, vmax=10.0, cmap="rocket_r", ax=axis, linewidths=0.5)
+    axis.set(ylabel="", xlabel="robot")
+    axis.set_title("standard deviations from health of what follows each quantity", fontsize=10)
+    _save(figure, path)
+
+
+def _profile(examined: Examination, one: Named, tried: FloatArray) -> FloatArray:
+    """(n,) deviance of the cause's robots with its first parameter at each value."""
+    tracks, found = examined.tracks, examined.identified
+    chosen = [k for k, robot in enumerate(tracks.robots) if robot in one.robots]
+    some = tracks.only(chosen)
+    losses = []
+    for value in tried:
+        motions = [
+            _as_named(found.base[k], examined.diagnosis.named, tracks.robots[k], one, float(value))
+            for k in chosen
+        ]
+        problem = Problem(some, motions)
+        residual = problem.residual((), np.zeros((len(chosen), 0)))
+        losses.append(float(problem.losses(residual).sum()))
+    return np.array(losses)
+
+
+def _as_named(
+    motion: Motion, named: tuple[Named, ...], robot: int, varied: Named, value: float
+) -> Motion:
+    """A robot's healthy motion with everything named for it, one value replaced."""
+    for one in named:
+        if robot in one.robots:
+            values = np.array([v.value for v in one.values])
+            if one is varied:
+                values[0] = value
+            motion = one.term.cause.change(motion, values, one.term.variant)
+    return motion
+
+
+def _figure(width: float, height: float) -> Figure:
+    sns.set_theme(style="whitegrid", font_scale=0.85)
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def _save(figure: Figure, path: Path) -> None:
+    figure.savefig(path, dpi=DPI, metadata={"Software": ""})
