@@ -258,3 +258,32 @@ def test_a_diagnosis_that_fails_is_a_result_and_not_the_end(tmp_path: Path) -> N
         "00001: exit code 1: out of ideas",
     ]
     assert summary["confusion"]["ls_dead_sensor"] == {"failed": 1}
+
+
+@pytest.mark.parametrize(
+    ("words", "field"),
+    [
+        (("--trials", "0"), "--trials"),
+        (("--only", "motor_lagg"), "--only"),
+        (("--seed", "-1"), "--seed"),
+        (("--jobs", "0"), "--jobs"),
+    ],
+)
+def test_words_that_cannot_be_used_are_refused_before_anything_is_written(
+    words: tuple[str, ...], field: str, tmp_path: Path
+) -> None:
+    from typer.testing import CliRunner
+
+    from studies.cli import app
+
+    out = tmp_path / "out"
+    error = CliRunner().invoke(app, ["blind", *words, "--out", str(out)]).exception
+    assert isinstance(error, InputError)
+    assert error.field == field
+    assert not out.exists()
+
+
+def test_a_directory_with_other_things_in_it_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").touch()
+    with pytest.raises(InputError, match="new or empty directory"):
+        run_battery(blind_config(trials=1, **SMALL), tmp_path, Workers(1), command=STUB)
