@@ -62,7 +62,8 @@ class LampGeometry:
 
 def worked_in(tables: Tables, senses: Senses, geometry: LampGeometry) -> Tables:
     """The tables with every term that depends on distance and bearing alone worked in."""
-    lit = tables.ls_counts * _law_ratio(tables, senses, geometry).astype(np.float32)
+    ratio = _law_ratio(tables, senses, geometry)
+    lit: FloatArray = tables.ls_counts.astype(np.float64) * ratio
     dark = tables.ls_dark - senses.ambient_light * _facing_at_half_a_metre(tables)
     if senses.light_gamma != 1.0:
         lit, dark = _through_response(lit * senses.lamp_intensity, dark, tables, senses)

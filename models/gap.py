@@ -21,9 +21,13 @@ from models.schema import LS, PS
 from models.sensing import scenarios
 from models.sensor_gap import SensorGap, sensor_gap, sensors_to_judge
 from models.shares import Share
+from models.spread import Excess
 
 LEVEL = 0.05
 """Chance of flagging anything at all in a log that the model explains up to noise."""
+EXCESS_LEVEL = 0.01
+"""The same for errors that only spread too much: far stricter, for it leans on the noise estimated
+from the log itself. Our choice."""
 ROBOT_HORIZON = "1 s"
 """Windows that robots are compared by: long against noise, short against contacts."""
 DEAL_SECONDS = 10.0
@@ -61,8 +65,17 @@ class Gap:
 
     @property
     def flagged(self) -> bool:
-        """Whether anything beyond noise was found, at `LEVEL` over everything judged."""
-        return any(m.p <= LEVEL for _, _, m in self.maps())
+        """Whether anything beyond noise was found: means at `LEVEL`, spread at `EXCESS_LEVEL`."""
+        return any(m.p <= LEVEL for _, _, m in self.maps()) or bool(self.larger())
+
+    def larger(self) -> list[tuple[str, str, Excess]]:
+        """Horizon, channel and excess of every error that spreads more than noise allows."""
+        return [
+            (gap.horizon, channel, found)
+            for gap in self.motion
+            for channel, found in gap.excess.items()
+            if found.p <= EXCESS_LEVEL
+        ]
 
 
 def measure_gap(log: MeasuredLog, file: ModelFile, model: PointModel, *, seed: int = 0) -> Gap:

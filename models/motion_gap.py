@@ -16,6 +16,7 @@ from models.log import MeasuredLog
 from models.noise import PoseNoise, window_noise
 from models.replay import CHANNELS, HORIZONS, errors, windows
 from models.shares import Share, split
+from models.spread import Excess, excess
 
 UNITS = {"along": "m", "across": "m", "heading": "rad"}
 BLOCK_SECONDS = 5.0
@@ -60,6 +61,8 @@ class MotionGap(NamedTuple):
     """(windows,) free of contact, or all of them where nothing is set apart."""
     shares: dict[str, Share]
     maps: list[Map]
+    excess: dict[str, Excess]
+    """By channel: whether clear windows' errors spread more than noise."""
 
 
 def motion_gap(
@@ -113,7 +116,12 @@ def _horizon(
         free[:] = True
     maps = _maps(log, error, floor, conditions, free, pairs, rng, family)
     shares = {c: split(error[free, k], floor[free, k]) for k, c in enumerate(CHANNELS)}
-    return MotionGap(name, seconds, pairs, error, floor, conditions, free, shares, maps)
+    block = blocks(log, pairs.first, seconds)[free]
+    larger = {
+        c: excess(error[free, k], floor[free, k], block, family=family * len(CHANNELS))
+        for k, c in enumerate(CHANNELS)
+    }
+    return MotionGap(name, seconds, pairs, error, floor, conditions, free, shares, maps, larger)
 
 
 def _judged(log: MeasuredLog, length: float) -> tuple[Windows, npt.NDArray[np.int64]]:

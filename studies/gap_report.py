@@ -108,8 +108,10 @@ def _channels(gap: Gap) -> list[dict[str, Any]]:
     maps: dict[tuple[str, str, str], list[Map]] = {}
     for kind, horizon, found in gap.maps():
         maps.setdefault((kind, horizon, found.channel), []).append(found)
+    larger = {(g.horizon, c): found for g in gap.motion for c, found in g.excess.items()}
     rows = []
     for kind, horizon, channel, share in gap.shares():
+        excess = larger.get((horizon, channel))
         ranked = ranked_maps(maps.get((kind, horizon, channel), []), share.rms)
         rows.append(
             {
@@ -121,6 +123,7 @@ def _channels(gap: Gap) -> list[dict[str, Any]]:
                 "noise_rms": share.noise_rms,
                 "bias_value": share.bias_value,
                 "shares": {name: getattr(share, name) for name in ("noise", "bias", "structured")},
+                "excess": None if excess is None else excess._asdict(),
                 "p": min((m.p for m in ranked), default=1.0),
                 "depends_on": [
                     _condition(m, share)

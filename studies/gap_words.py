@@ -47,6 +47,8 @@ def summary(log: MeasuredLog, gap: Gap, coevolution: CoevolutionGap | None = Non
     lines = [line for _, line in sorted(weighed, key=lambda pair: -pair[0])]
     if not gap.flagged:
         lines.insert(0, f"No channel departs from the model beyond noise (level {LEVEL:g}).")
+    elif gap.larger() and not any(m.p <= LEVEL for _, _, m in gap.maps()):
+        lines.insert(0, _larger_line(gap))
     tail = [_noise_line(gap)]
     if coevolution is not None:
         tail.insert(0, fitness_line(coevolution))
@@ -175,6 +177,16 @@ def _depends(found: Map, share: Share, unit: str) -> str:
     return (
         f"depends on {what}{group}: mean {size(found.mean[at], unit, signed=True)}"
         f" (explains {part:.0f} % of the mean square)"
+    )
+
+
+def _larger_line(gap: Gap) -> str:
+    """Errors too large for noise whose mean depends on nothing that was mapped."""
+    horizon, channel, found = max(gap.larger(), key=lambda item: item[2].ratio)
+    return (
+        f"Errors are larger than noise makes them, most {WORDS[channel]} over {horizon} "
+        f"({found.ratio:.2g} times), though their mean depends on nothing mapped: look at delays, "
+        "slow motors and contact."
     )
 
 

@@ -212,3 +212,15 @@ def test_a_damaged_log_ends_in_a_gap_or_in_one_line(damages):
 @given(DAMAGES)
 def test_a_thousand_damaged_logs_end_in_a_gap_or_in_one_line(damages):
     judge(damaged(HEALTHY, damages))
+
+
+def test_late_and_slow_motors_are_larger_than_noise_even_where_no_mean_says_so():
+    drive = Drive(latency=0.1, time_constant=0.08)
+    gap = gap_of(driven_log(3, rows=1500, drive=drive), sensors=False)
+    assert gap.flagged
+    assert {"along", "heading"} <= {channel for _, channel, _ in gap.larger()}
+
+
+def test_noise_alone_is_not_larger_than_noise():
+    for seed in range(8):
+        assert not gap_of(arena_log(4000 + seed), sensors=False).larger()
