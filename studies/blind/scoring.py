@@ -65,7 +65,8 @@ def score(trial: Trial, diagnosis: Mapping[str, Any] | None) -> Score:
             inside += _inside(one, found)
     affected = {robot for one in trial.hidden for robot in one.robots}
     everywhere = any(not one.robots for one in trial.hidden)
-    healthy = set() if everywhere else set(range(robots)) - affected
+    looked_at = set(range(robots)) if trial.looked_at is None else set(trial.looked_at)
+    healthy = set() if everywhere else looked_at - affected
     accused = {robot for cause in causes for robot in cause.robots if robot in healthy}
     return Score(
         verdict=verdict,
@@ -76,6 +77,27 @@ def score(trial: Trial, diagnosis: Mapping[str, Any] | None) -> Score:
         accused=len(accused),
         inside=tuple(inside),
     )
+
+
+def of_robots(diagnosis: Mapping[str, Any], robots: set[int]) -> dict[str, Any]:
+    """What a diagnosis says of some robots: its causes and verdict as if they were all there is."""
+    causes = []
+    for cause in diagnosis["causes"]:
+        if cause["robots"] == "all":
+            causes.append(cause)
+        elif robots & set(cause["robots"]):
+            causes.append({**cause, "robots": sorted(robots & set(cause["robots"]))})
+    unexplained = [
+        one
+        for one in diagnosis.get("unexplained", ())
+        if one.get("robots", "all") == "all" or robots & set(one["robots"])
+    ]
+    verdict = diagnosis["verdict"]
+    if verdict == "unexplained" and not unexplained:
+        verdict = "ambiguous"  # if any cause has rivals
+    if verdict != "unexplained" and not causes:
+        verdict = "nothing_wrong"
+    return {"verdict": verdict, "causes": causes, "unexplained": unexplained}
 
 
 def named(diagnosis: Mapping[str, Any], robots: int) -> list[Named]:

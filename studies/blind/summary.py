@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from studies.blind.directory import BlindDirectory
 from studies.blind.limits import LENGTH, detection_limit, share
 from studies.blind.menu import MENU
-from studies.blind.scoring import Score, outcome, score
+from studies.blind.scoring import Score, of_robots, outcome, score
 from studies.blind.trials import Trial
 from studies.blind.unlisted import FOLLOWS
 from studies.provenance import versions
@@ -36,20 +36,40 @@ class Result:
 
 
 def results(directory: BlindDirectory) -> list[Result]:
-    """All finished trials, scored."""
-    return [
-        Result(
-            trial,
-            score(trial, a["diagnosis"]),
-            a["error"],
-            float(a["diagnose_seconds"]),
-            tuple(
-                f"{one['channel']} {one['where']}"
-                for one in (a["diagnosis"] or {}).get("unexplained", ())
-            ),
+    """All finished trials, scored; a crowd is one result per robot with an effect, and the rest."""
+    found = []
+    for trial, answer in directory.answers():
+        if trial.kind == "single" and len(trial.hidden) > 1:
+            found += [_result(part, answer, said) for part, said in _parts(trial, answer)]
+        else:
+            found.append(_result(trial, answer, answer["diagnosis"]))
+    return found
+
+
+def _result(trial: Trial, answer: dict[str, Any], said: dict[str, Any] | None) -> Result:
+    unexplained = () if said is None else said.get("unexplained", ())
+    return Result(
+        trial,
+        score(trial, said),
+        answer["error"],
+        float(answer["diagnose_seconds"]),
+        tuple(f"{one['channel']} {one['where']}" for one in unexplained),
+    )
+
+
+def _parts(trial: Trial, answer: dict[str, Any]) -> list[tuple[Trial, dict[str, Any] | None]]:
+    """A crowd's robots, each with what is said of it, and those with nothing."""
+    whole = answer["diagnosis"]
+    everyone = set(range(trial.run.robots))
+    parts: list[tuple[Trial, set[int]]] = []
+    for one in trial.hidden:
+        parts.append(
+            (replace(trial, hidden=(one,), looked_at=frozenset(one.robots)), set(one.robots))
         )
-        for trial, a in directory.answers()
-    ]
+        everyone -= set(one.robots)
+    rest = replace(trial, kind="rest", hidden=(), looked_at=frozenset(everyone))
+    parts.append((rest, everyone))
+    return [(part, None if whole is None else of_robots(whole, robots)) for part, robots in parts]
 
 
 def summarise(directory: BlindDirectory) -> dict[str, Any]:
@@ -65,8 +85,8 @@ def summarise(directory: BlindDirectory) -> dict[str, Any]:
         "schema": SCHEMA,
         "config": directory.config.model_dump(mode="json"),
         "versions": versions(),
-        "trials": len(done),
-        "failed": [f"{r.trial.name}: {r.error}" for r in done if r.error],
+        "trials": len({r.trial.index for r in done}),
+        "failed": sorted({f"{r.trial.name}: {r.error}" for r in done if r.error}),
         "diagnose_seconds": _times(done),
         "healthy_runs": {
             "robots_accused": share(

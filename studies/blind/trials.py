@@ -19,7 +19,8 @@ from studies.blind.menu import MENU, STRANGE, Entry, Value
 from studies.blind.unlisted import UNLISTED
 from studies.experiment import Case, Controller, RunConfig
 
-Kind = Literal["healthy", "single", "pair", "unlisted"]
+Kind = Literal["healthy", "single", "pair", "unlisted", "rest"]
+"""`rest`: the robots of a crowd that have nothing."""
 ROUND: tuple[Kind, ...] = (
     "single", "healthy", "single", "single", "pair", "single", "unlisted", "single",
 )  # fmt: skip
@@ -57,6 +58,8 @@ class BlindConfig(BaseModel):
     """Hide two effects at once in some trials."""
     unlisted: bool = True
     """Hide what no catalogue lists in some trials."""
+    crowd: Annotated[int, Field(ge=1)] = 1
+    """Robots of a run that each have one effect; more give more trials from one diagnosis."""
     seconds: Annotated[tuple[float, ...], Field(min_length=1)] = SECONDS
     """s of log, drawn evenly; the first at the bars."""
 
@@ -109,6 +112,8 @@ class Trial:
     seconds: float
     run: RunConfig
     hidden: tuple[Hidden, ...]
+    looked_at: frozenset[int] | None = None
+    """Robots that a score is about; None: all."""
 
     @property
     def name(self) -> str:
@@ -137,14 +142,14 @@ def plan(config: BlindConfig) -> tuple[Trial, ...]:
         random = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(index,)))
         kind = _kind(config, index)
         if kind == "single":
-            names = [config.effects[singles % len(config.effects)]]
-            singles += 1
+            names = _singles(config, singles)
+            singles += len(names)
         elif kind == "unlisted":
             names = [list(STRANGE)[strange % len(STRANGE)]]
             strange += 1
         else:
             names = _pair(config, random) if kind == "pair" else []
-        hidden = _hide(config, names, drawn, random)
+        hidden = _hide(config, names, kind, drawn, random)
         drawn.update(names)
         trials.append(_trial(config, index, kind, hidden, random))
     return tuple(trials)
@@ -160,22 +165,39 @@ def _kind(config: BlindConfig, index: int) -> Kind:
     return kind if possible.get(kind, True) else "single"
 
 
+def _singles(config: BlindConfig, first: int) -> list[str]:
+    """The next effect, and those after it that may sit in other robots of the same run."""
+    names = [config.effects[(first + i) % len(config.effects)] for i in range(config.crowd)]
+    alone = [not catalogue()[name].per_robot for name in names]
+    if alone[0]:
+        return names[:1]
+    return names[: alone.index(True)] if any(alone) else names
+
+
 def _pair(config: BlindConfig, random: np.random.Generator) -> list[str]:
     return [str(name) for name in random.choice(config.effects, 2, replace=False)]
 
 
 def _hide(
-    config: BlindConfig, names: Sequence[str], drawn: Counter[str], random: np.random.Generator
+    config: BlindConfig,
+    names: Sequence[str],
+    kind: Kind,
+    drawn: Counter[str],
+    random: np.random.Generator,
 ) -> tuple[Hidden, ...]:
     """Robots and sizes for the effects of a trial."""
-    first, second = random.choice(config.robots, 2, replace=False).tolist()
-    robots = [first, first if random.random() < SAME_ROBOT else second]
+    robots = random.choice(config.robots, config.robots, replace=False).tolist()
+    if kind == "pair" and random.random() < SAME_ROBOT:
+        robots[1] = robots[0]
+    may_swarm = not config.at_bars and config.crowd == 1
+    seen: Counter[str] = Counter()
     hidden = []
     for name, robot in zip(names, robots, strict=False):
         entry = ENTRIES[name]
-        swarm = bool(entry.swarm_bar) and not config.at_bars and random.random() < SWARM_SHARE
+        swarm = bool(entry.swarm_bar) and may_swarm and random.random() < SWARM_SHARE
         bar = entry.swarm_bar if swarm else entry.bar
-        size = _size(config, entry, bar, drawn[name], len(names) > 1 or name in STRANGE)
+        size = _size(config, entry, bar, drawn[name] + seen[name], kind in ("pair", "unlisted"))
+        seen[name] += 1
         values = {
             key: float(value) if isinstance(value, int | float) else str(value)
             for key, value in entry.values(size, random).items()

@@ -27,6 +27,13 @@ def blind(
     at_bars: Annotated[
         bool, typer.Option("--at-bars", help="Every effect at its bar, one robot, 120 s.")
     ] = False,
+    crowd: Annotated[
+        int, typer.Option(help="Robots of a run that each have an effect of their own.")
+    ] = 1,
+    seconds: Annotated[
+        Optional[list[float]],  # noqa: UP045
+        typer.Option(help="Length of the logs, repeatable; 120 most often, 60 or 240 if absent."),
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Hide effects at random, diagnose each log in a process that has nothing else, and score.
@@ -40,7 +47,10 @@ def blind(
     from studies.execution import Workers, WorkersLost
 
     effects = tuple(only) if only else known_effects()
-    config = blind_config(trials=trials, seed=seed, effects=effects, at_bars=at_bars)
+    lengths = {"seconds": tuple(seconds)} if seconds else {}
+    config = blind_config(
+        trials=trials, seed=seed, effects=effects, at_bars=at_bars, crowd=crowd, **lengths
+    )
     try:
         summary = run_battery(config, out, Workers.chosen(jobs, None), quiet=quiet)
     except (TrialsFailed, WorkersLost) as error:

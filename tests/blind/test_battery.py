@@ -16,7 +16,7 @@ from reality.effects import catalogue, parse_effects
 from studies.blind.battery import run_battery
 from studies.blind.limits import detection_limit, share
 from studies.blind.menu import MENU
-from studies.blind.scoring import Score, outcome, score
+from studies.blind.scoring import Score, named, of_robots, outcome, score
 from studies.blind.trials import Hidden, Trial, blind_config, plan
 from studies.execution import Workers
 from studies.experiment import RunConfig
@@ -84,7 +84,8 @@ def test_sizes_surround_the_bar_and_pairs_exceed_it() -> None:
 
 def test_what_needs_a_lamp_is_hidden_where_one_is_lit() -> None:
     trials = plan(blind_config(trials=60, effects=("lamp_height",)))
-    assert {t.run.case for t in trials if t.hidden} == {"light-at-nest", "light-opposite-nest"}
+    lit = {t.run.case for t in trials if t.kind == "single"}
+    assert lit == {"light-at-nest", "light-opposite-nest"}
 
 
 def test_at_the_bars_every_trial_hides_one_effect_exactly_at_its_bar_in_one_robot() -> None:
@@ -287,3 +288,37 @@ def test_a_directory_with_other_things_in_it_is_refused(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").touch()
     with pytest.raises(InputError, match="new or empty directory"):
         run_battery(blind_config(trials=1, **SMALL), tmp_path, Workers(1), command=STUB)
+
+
+def test_a_crowd_gives_each_robot_an_effect_and_each_effect_its_own_score(tmp_path: Path) -> None:
+    effects = ("ls_dead_sensor", "command_latency", "floor_tilt", "motor_lag", "ls_dead_sensor")
+    config = blind_config(trials=2, seed=3, effects=effects, at_bars=True, crowd=3, robots=5,
+                          seconds=(2.0,))  # fmt: skip
+    first, second = plan(config)
+    assert [one.name for one in first.hidden] == ["ls_dead_sensor", "command_latency"]
+    assert len({one.robots for one in first.hidden}) == 2
+    assert [one.name for one in second.hidden] == ["floor_tilt"]
+    grown = config.model_copy(update={"trials": 3})
+    assert [one.name for one in plan(grown)[2].hidden] == [
+        "motor_lag",
+        "ls_dead_sensor",
+        "ls_dead_sensor",
+    ]
+    summary = run_battery(grown, tmp_path / "b", Workers(1), quiet=True, command=STUB)
+    assert summary["confusion"]["ls_dead_sensor"] == {"ls_dead_sensor": 3}
+    assert summary["confusion"]["motor_lag"] == {"nothing_wrong": 1}
+    assert summary["wrong_names"]["hits"] == 0
+    assert summary["healthy_robots_accused"]["trials"] == 3 + 2
+
+
+def test_of_a_crowd_only_what_is_said_of_a_robot_counts_for_it() -> None:
+    said = answer("ambiguous", ("motor_lag", [2], IN), ("speed_droop", [4, 5], IN))
+    said["causes"][1]["alternatives"] = ["wheel_radius_scale"]
+    said["unexplained"] = [{"channel": "yaw", "where": "at starts", "robots": [7]}]
+    assert of_robots(said, {3})["verdict"] == "nothing_wrong"
+    assert [c["robots"] for c in of_robots(said, {4})["causes"]] == [[4]]
+    assert named(of_robots(said, {4}), 10)[0].rivals == ("wheel_radius_scale",)
+    assert named(of_robots(said, {2}), 10)[0].rivals == ()
+    said["verdict"] = "unexplained"
+    assert of_robots(said, {7})["verdict"] == "unexplained"
+    assert of_robots(said, {3})["verdict"] == "nothing_wrong"
