@@ -200,6 +200,8 @@ def _keys_of(parents: list[str]) -> list[str]:
     """Valid keys of a nested table of a model file."""
     table: Any = ModelFile
     for parent in parents:
+        if parent.isdecimal():
+            continue  # a place in a list, of whose kind of table we already are
         annotation = table.model_fields[parent].annotation
         choices = [annotation, *getattr(annotation, "__args__", ())]
         table = next(c for c in choices if isinstance(c, type) and issubclass(c, BaseModel))

@@ -54,6 +54,10 @@ class Structure(_Strict):
     swarm_farthest: float
 
 
+UNKNOWN = Structure(mean=0.0, sd=0.0, swarm_sd=0.0, farthest=0.0, swarm_farthest=0.0)
+"""Where nobody measured healthy robots, whatever follows something is beyond the model."""
+
+
 class Gates(_Strict):
     """What a name needs beyond what healthy robots show."""
 
@@ -91,6 +95,8 @@ class Reference(_Strict):
 
     def motion(self, believed: Motion) -> Motion:
         """A healthy robot's motion where the model believes another."""
+        if not self.robots:
+            return believed
         return INHERENT.applied(believed, np.array(self.inherent))
 
     def gate(self, key: str, *, swarm: bool = False) -> float:
@@ -100,6 +106,10 @@ class Reference(_Strict):
         found = self.terms[key]
         farthest = found.swarm_farthest if swarm else found.farthest
         return max(self.gates.distance, self.gates.margin * farthest)
+
+    def health(self, key: str) -> Structure | None:
+        """What healthy robots get for a flexible term; None: it was not measured."""
+        return self.structure.get(key) if self.robots else UNKNOWN
 
     def spread(self, key: str, size: int, *, swarm: bool = False) -> tuple[FloatArray, FloatArray]:
         """(p,) healthy mean and standard deviation of a term's coordinates; zeros where unknown."""
@@ -150,12 +160,5 @@ def no_reference(model: str, drive: Drive) -> Reference:
         axle=drive.axle,
         robots=0,
         swarms=0,
-        inherent=no_inherent(),
-    )
-
-
-def no_inherent() -> tuple[float, ...]:
-    """Coordinates of the inherent motion at which the minimal model is left as it is."""
-    return tuple(
-        float(p.bounds[1]) if p.name == "acceleration" else 0.0 for p in INHERENT.parameters
+        inherent=(0.0,) * len(INHERENT.parameters),
     )

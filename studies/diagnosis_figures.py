@@ -17,8 +17,8 @@ from models.identify.predict import poses
 from models.identify.swarm import Named
 from models.identify.tracks import Tracks
 
-AGES = (0.2, 0.4, 0.6, 0.8, 1.0)
-"""s after a window's beginning at which its error is shown."""
+AGES = (0.2, 0.4, 0.6, 0.8)
+"""s after a window's beginning at which its error is shown; most windows last that long."""
 PROFILE_POINTS = 21
 DPI = 100
 KINDS = ("model alone", "healthy robot", "with what was found")
@@ -110,7 +110,7 @@ def draw_left(examined: Examination, path: Path) -> None:
     reference = examined.reference
     rows = []
     for one in examined.structure:
-        health = reference.structure.get(one.key)
+        health = reference.health(one.key)
         mean, sd = (health.mean, health.sd) if health else (0.0, 0.0)
         far = np.abs(one.size - mean) / np.hypot(one.error, sd)
         rows += [

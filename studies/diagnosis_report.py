@@ -112,7 +112,7 @@ def _robots(examined: Examination) -> Section:
             one.where for one in found.unexplained if one.robots == "all" or robot in one.robots
         ]
         errors = {
-            f"{kind} (mm in 1 s)": float(wide.loc[robot, kind]) if robot in wide.index else np.nan
+            f"{kind} (mm in 0.8 s)": float(wide.loc[robot, kind]) if robot in wide.index else np.nan
             for kind in figures.KINDS
         }
         rows.append(

@@ -91,6 +91,9 @@ class Cause:
     errors that another seems to explain."""
     twins: tuple[str, ...] = ()
     """Causes that act on poses exactly alike; `separated_by` tells them apart."""
+    as_twin: Callable[[Motion, Motion], float | None] | None = None
+    """(motion without, motion with a twin) -> the own parameter's value that moves poses alike, or
+    None where it cannot have one. Of the twins that do not stand for the others in the search."""
     separated_by: tuple[str, ...] = ()
     """Columns that tell a cause from its twins."""
     experiment: str = ""

@@ -14,6 +14,15 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
     return replace(motion, drive=replace(motion.drive, latency=latency))
 
 
+EARLY = -1e-3
+"""s; commands cannot arrive before they are sent: an earlier value is not a latency."""
+
+
+def _as_twin(without: Motion, stamped: Motion) -> float | None:
+    seconds = stamped.pose_delay - without.pose_delay
+    return seconds if without.drive.latency + seconds >= EARLY else None
+
+
 CAUSE = Cause(
     name="command_latency",
     meaning="commands reach the motors later than the model believes",
@@ -22,6 +31,7 @@ CAUSE = Cause(
     family="transient",
     confusable_with=("motor_lag", "clock_offset"),
     twins=("clock_offset",),
+    as_twin=_as_twin,
     separated_by=("wheel_left", "wheel_right"),
     experiment="steps of speed with the sensors or encoders logged",
 )

@@ -37,6 +37,11 @@ def _starts(commands: FloatArray) -> list[FloatArray]:
     return [np.array([start]) for start in STARTS]
 
 
+def _as_twin(without: Motion, weak: Motion) -> float | None:
+    friction = min(weak.drive.acceleration) / TRACTION
+    return friction if friction < FRICTION else None
+
+
 CAUSE = Cause(
     name="low_friction",
     meaning="the wheels slip on the floor when they speed up or brake",
@@ -47,7 +52,7 @@ CAUSE = Cause(
             null=FRICTION,
             low=0.002,
             high=FRICTION,
-            step=2e-2,
+            step=5e-2,
             link="factor",
             doubt=0.12,
         ),
@@ -56,6 +61,7 @@ CAUSE = Cause(
     family="transient",
     confusable_with=("weak_motor", "motor_lag"),
     twins=("weak_motor",),
+    as_twin=_as_twin,
     separated_by=("wheel_left", "wheel_right"),
     experiment="steps of speed with encoders logged",
     starts=_starts,

@@ -19,6 +19,8 @@ class Motion:
     """From commands to the robot's motion over the floor."""
     encoder_drive: Drive | None = None
     """From commands to the wheels' own speeds where these differ, as in slip; None: `drive`."""
+    motor_delay: float = 0.0
+    """s by which motors answer later than `drive.latency` says; negative: earlier."""
     pose_delay: float = 0.0
     """s by which poses are stamped late; negative: early."""
     yaw_offset: float = 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,9 @@ from models.causes.motion import Motion
 
 SCANNED = 14
 """Thresholds tried: between neighbouring commanded speeds, evenly by how often they occur."""
+SEEN = 0.01
+"""Share of a log's commands that must be slower than a dead zone for it to show: a second or two of
+each wheel in two minutes. In less, one bad start of a motor looks like a dead zone."""
 SLOW = 0.6
 """Of the fastest command: a wheel that needs more to turn at all is another fault."""
 
@@ -25,13 +29,22 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
 
 
 def _starts(commands: FloatArray) -> list[FloatArray]:
-    speed = np.abs(commands).ravel()
-    slow = speed[(speed > 0.0) & (speed < SLOW * speed.max(initial=0.0))]
+    speed = np.sort(np.abs(commands).ravel())
+    speed = speed[speed > 0.0]
+    slow = speed[(speed >= least_seen(commands)) & (speed < SLOW * speed.max(initial=0.0))]
     if not len(slow):
         return []
     # finer towards the slowest: a dead zone is small
     levels = np.quantile(slow, np.linspace(0.0, 1.0, SCANNED) ** 2)
     return [np.array([level * (1.0 + 1e-6)]) for level in np.unique(levels)]
+
+
+def least_seen(commands: FloatArray) -> float:
+    """rad/s: the smallest dead zone that this log could show; infinite where nothing is slow."""
+    speed = np.sort(np.abs(commands).ravel())
+    moving = speed[speed > 0.0]
+    rank = int(np.ceil(SEEN * len(moving)))
+    return float(moving[rank]) if rank < len(moving) else math.inf
 
 
 CAUSE = Cause(

@@ -21,6 +21,8 @@ STARTS = (0.02, 0.1)
 
 def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
     lag = float(values[0])
+    if lag == 0.0:
+        return motion
     power = motion.drive.time_constant**ORDER + math.copysign(abs(lag) ** ORDER, lag)
     constant = max(0.0, power) ** (1.0 / ORDER)
     return replace(motion, drive=replace(motion.drive, time_constant=constant))

@@ -48,7 +48,7 @@ CAUSE = Cause(
             null=TORQUE,
             low=0.003 * TORQUE,
             high=3.0 * TORQUE,
-            step=2e-2,
+            step=5e-2,
             link="factor",
             doubt=0.04,
         ),

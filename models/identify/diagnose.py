@@ -8,6 +8,7 @@ import numpy as np
 
 from embedded_sim.model import FloatArray
 from models.causes import Motion, causes
+from models.causes.motor_dead_zone import least_seen
 from models.diagnosis import Diagnosis, Gain
 from models.identify.leftover import leftover
 from models.identify.predict import poses
@@ -91,6 +92,12 @@ def _not_checked(tracks: Tracks, reference: Reference | None) -> tuple[str, ...]
             }
         )
         said += [f"no encoders: {a} and {b} cannot be told apart" for a, b in pairs]
+    slowest = least_seen(tracks.commands)
+    said.append(
+        f"motor_dead_zone below {slowest:.2g} rad/s: so slow commands are too rare in this log"
+        if np.isfinite(slowest)
+        else "motor_dead_zone: no slow commands in this log"
+    )
     said += [f"{c.name}: {c.meaning}" for c in causes().values() if not c.identifiable]
     return tuple(said)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from models.causes import ALL, Motion
 from models.identify.candidates import candidates, own_starts
 from models.identify.fit import Fit, Problem, Term
 from models.identify.inherent import INHERENT
-from models.identify.measure import distance, strength, uncertainty
+from models.identify.measure import distance, jump, strength, uncertainty
 from models.identify.structure import follows, pool
 from models.identify.tracks import Tracks
 from models.reference import Reference, Spread, Structure
@@ -39,14 +40,24 @@ def fit_inherent(tracks: Tracks, drive: Drive) -> FloatArray:
     return np.asarray(problem.fit((Term(INHERENT, ALL),), starts).coordinates[0])
 
 
+class Solo(NamedTuple):
+    """One term fitted alone."""
+
+    fit: Fit
+    gain: FloatArray
+    """(groups,) held-out deviance taken off."""
+    jumped: FloatArray
+    """(groups,) `models.identify.measure.jump`, of a term whose effect jumps."""
+
+
 @dataclass(frozen=True, eq=False)
 class Healthy:
     """Every term fitted to the robots of one healthy swarm, and to the swarm as a whole."""
 
     commands: FloatArray
-    robots: dict[str, tuple[Fit, FloatArray]]
-    """By term: fit with a group per robot, and each robot's held-out gain."""
-    swarm: dict[str, tuple[Fit, FloatArray]]
+    robots: dict[str, Solo]
+    """By term, a group per robot."""
+    swarm: dict[str, Solo]
     number: int
     structure: dict[str, FloatArray]
     """By flexible term: (robots, 2) size and its error."""
@@ -59,12 +70,15 @@ def fit_terms(tracks: Tracks, healthy: Motion) -> Healthy:
     for groups in (np.arange(robots), np.zeros(robots, dtype=np.int64)):
         problem = Problem(tracks, [healthy] * robots, groups=groups)
         none = problem.at((), np.zeros((problem.count, 0)))
+        none_far = np.zeros(problem.count)
         kept = {}
         for term in candidates():
             begin = own_starts(term, tracks.commands)
             if begin:
                 fit = problem.fit((term,), [np.tile(s, (problem.count, 1)) for s in begin])
-                kept[term.key] = (_light(fit), problem.by_group(problem.gain(none, fit)))
+                jumped = none_far if term.cause.smooth else jump(problem, none, fit)
+                gain = problem.by_group(problem.gain(none, fit))
+                kept[term.key] = Solo(_light(fit), gain, jumped)
         parts.append(kept)
     flexible = {
         one.key: np.column_stack([one.size, one.error])
@@ -142,7 +156,7 @@ def _beyond(rows: FloatArray) -> tuple[float, float]:
     return sd, float(np.max(np.abs(rows[:, 0]) / np.hypot(rows[:, 1], sd)))
 
 
-Fitted = tuple[tuple[Fit, FloatArray], FloatArray]
+Fitted = tuple[Solo, FloatArray]
 
 
 def _between(term: Term, fits: Sequence[Fitted]) -> tuple[FloatArray, FloatArray, float]:
@@ -158,7 +172,7 @@ def _between(term: Term, fits: Sequence[Fitted]) -> tuple[FloatArray, FloatArray
             ],
             axis=1,
         )
-        for (fit, _), commands in fits
+        for (fit, _, _), commands in fits
     ]
     value, error = np.concatenate(rows)[:, 0], np.concatenate(rows)[:, 1]
     middle = np.median(value, axis=0)
@@ -174,9 +188,9 @@ def _between(term: Term, fits: Sequence[Fitted]) -> tuple[FloatArray, FloatArray
     far = [
         np.where(
             gain > LEAST_GAIN,
-            distance(term, fit.coordinates, fit.covariance, commands, mean, sd, gain),
+            distance(term, fit.coordinates, fit.covariance, commands, mean, sd, jumped),
             0.0,
         )
-        for (fit, gain), commands in fits
+        for (fit, gain, jumped), commands in fits
     ]
     return mean, sd, float(np.max(np.concatenate(far)))

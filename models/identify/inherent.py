@@ -32,7 +32,7 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
     return replace(
         motion,
         drive=changed,
-        pose_delay=motion.pose_delay + latency,
+        motor_delay=motion.motor_delay + latency,
         lever=(motion.lever[0] + centre, motion.lever[1]),
     )
 

@@ -9,7 +9,7 @@ from models.diagnosis import Unexplained
 from models.identify.structure import CHANNELS, QUANTITIES, Follow, pool
 from models.identify.swarm import Identified
 from models.identify.tracks import Tracks
-from models.reference import Reference
+from models.reference import UNKNOWN, Reference
 
 MENDED = 0.05
 """Of the named causes' gain that a leftover must exceed: no model of a cause is exact."""
@@ -26,9 +26,9 @@ def leftover(
         tracks: The log's.
         found: Flexible terms beyond everything kept.
         identified: What was named.
-        reference: What healthy robots show; without it nothing can be called unexplained.
+        reference: What healthy robots show.
     """
-    usable = [one for one in found if one.key in reference.structure]
+    usable = [one for one in found if reference.health(one.key) is not None]
     if not usable:
         return ()
     named = np.zeros(len(tracks.robots))
@@ -58,7 +58,7 @@ def _swarm(
         return None
     best, most = None, 1.0
     for one in found:
-        health = reference.structure[one.key]
+        health = reference.health(one.key) or UNKNOWN
         mean, error = pool(one.size, one.error)
         far = abs(mean - health.mean) / np.hypot(error, health.swarm_sd)
         alike = np.abs(one.size - mean) < 5.0 * np.hypot(one.error, health.sd)
@@ -74,12 +74,12 @@ def _swarm(
 
 def _distance(one: Follow, reference: Reference) -> FloatArray:
     """(robots,) standard deviations from health."""
-    health = reference.structure[one.key]
+    health = reference.health(one.key) or UNKNOWN
     return np.asarray(np.abs(one.size - health.mean) / np.hypot(one.error, health.sd))
 
 
 def _gate(one: Follow, reference: Reference) -> float:
-    health = reference.structure[one.key]
+    health = reference.health(one.key) or UNKNOWN
     return max(reference.gates.structure, reference.gates.margin * health.farthest)
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from embedded_sim.model import FloatArray
-from models.identify.fit import Term
+from models.identify.fit import Fit, Problem, Term
+from models.identify.residual import weights
 
 
 def strength(term: Term, coordinates: FloatArray, commands: FloatArray) -> FloatArray:
@@ -24,6 +25,32 @@ def uncertainty(term: Term, coordinates: FloatArray, covariance: FloatArray) -> 
     return error / np.maximum(coordinates, 1e-9)
 
 
+def jump(problem: Problem, without: Fit, kept: Fit) -> FloatArray:
+    """(groups,) how sure a term is whose effect jumps: its dose over its error, by blocks.
+
+    The errors without the term are compared with the change it makes. A real cause has dose 1:
+    where the dose is clearly another, the change only happens to help, and the answer is 0.
+    """
+    w = weights(without.residual, problem.row_scale)
+    change = kept.residual - without.residual
+    first, block = problem.tracks.first, problem.tracks.block
+    slope = np.add.reduceat((w * change * without.residual).sum(axis=1), first)
+    bend = np.add.reduceat((w * change * change).sum(axis=1), first)
+    curvature = np.maximum(problem.by_group(bend), 1e-12)
+    dose = -problem.by_group(slope) / curvature
+    left = np.bincount(block, slope + bend * dose[problem.window_group])
+    group = problem.window_group[np.searchsorted(block, np.arange(len(left)))]
+    meat = np.bincount(group, left**2, problem.count)
+    error = np.sqrt(np.maximum(meat, curvature)) / curvature
+    whole = np.abs(dose - 1.0) < np.maximum(WHOLE, WHOLE_ERRORS * error)
+    return np.where(whole, dose / error, 0.0)
+
+
+WHOLE = 0.25
+WHOLE_ERRORS = 2.5
+"""A dose this near to 1, or within so many of its errors, is a whole one."""
+
+
 def distance(
     term: Term,
     coordinates: FloatArray,
@@ -31,7 +58,7 @@ def distance(
     commands: FloatArray,
     mean: FloatArray,
     sd: FloatArray,
-    gain: FloatArray,
+    jumped: FloatArray,
 ) -> FloatArray:
     """(groups,) standard deviations between a term's strength and the healthy value.
 
@@ -42,10 +69,10 @@ def distance(
         commands: (rows, 2) of the log.
         mean: (p,) healthy strength.
         sd: (p,) healthy spread.
-        gain: (groups,) held-out deviance taken off; all there is for a term whose effect jumps.
+        jumped: (groups,) what `jump` says, all there is for a term whose effect jumps.
     """
     if not term.cause.smooth:
-        return np.asarray(np.sqrt(np.maximum(gain, 0.0)))
+        return jumped
     away = strength(term, coordinates, commands) - mean
     error = uncertainty(term, coordinates, covariance)
     p = coordinates.shape[1]

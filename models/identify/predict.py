@@ -27,7 +27,11 @@ def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
     for robot, (begin, end, cut) in enumerate(_pieces(tracks)):
         motion = motions[robot]
         driven[begin:end] = _driven(
-            tracks.t[begin:end], tracks.commands[begin:end], cut, motion.drive, motion.pose_delay
+            tracks.t[begin:end],
+            tracks.commands[begin:end],
+            cut,
+            motion.drive,
+            motion.motor_delay + motion.pose_delay,
         )
     seen = driven[tracks.rows]
     lever = np.array([m.lever for m in motions])
@@ -51,7 +55,13 @@ def wheel_angles(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
             # a body with one wheel of 1 m and an axle of 1 m turns as that wheel does
             radius = (0.0, 1.0) if side else (-1.0, 0.0)
             alone = _with(drive, wheel_radius=radius, axle=1.0)
-            turned = _driven(tracks.t[begin:end], tracks.commands[begin:end], cut, alone, 0.0)
+            turned = _driven(
+                tracks.t[begin:end],
+                tracks.commands[begin:end],
+                cut,
+                alone,
+                motions[robot].motor_delay,
+            )
             angles[begin:end, side] = turned[:, 2]
     return angles
 

@@ -16,7 +16,7 @@ from embedded_sim import Diverged
 from embedded_sim.model import FloatArray
 from models.identify.candidates import starts
 from models.identify.fit import Fit, Problem, Term
-from models.identify.measure import distance
+from models.identify.measure import distance, jump
 from models.identify.screen import glance
 from models.reference import Reference
 
@@ -32,10 +32,12 @@ PROMISING_SHARE = 0.1
 """Of the most promising term's, likewise: a step underrates what is far from linear."""
 MUCH = 200.0
 """Promised deviance that always earns a fit."""
-FAMILY = 0.1
-"""Of a stronger cause's gain that one of its family needs to be named beside it."""
+FAMILY = 0.05
+"""Of the whole set's gain that a term needs beside a stronger one of its family."""
 ANY = 0.01
-"""Of a stronger cause's gain that any other needs: no model of a cause is exact."""
+"""Of the whole set's gain that any term needs: no model of a cause is exact."""
+CLEARLY = 0.35
+"""Of a term's gain that a rival may not miss, however few blocks it is lost in."""
 RIVAL_SHARE = 0.3
 """Of the gain that a term needs to be looked at as a rival."""
 
@@ -89,7 +91,8 @@ def choose(problem: Problem, reference: Reference, *, swarm: bool = False) -> Ch
     kept, tried = search.forward(before)
     kept = search.needed(kept)
     found = [search.evidence(kept, term) for term in kept.terms]
-    strong = search.without_companions([one for one in found if one is not None])
+    total = float(problem.gain(before, kept).sum())
+    strong = search.without_companions([one for one in found if one is not None], total)
     nuisance = [t for t in kept.terms if t not in [one.term for one in strong]]
     named = [
         replace(
@@ -141,16 +144,17 @@ class _Search:
             kept = self.without(kept, weakest)
         return kept
 
-    def without_companions(self, found: list[Evidence]) -> list[Evidence]:
+    def without_companions(self, found: list[Evidence], total: float) -> list[Evidence]:
         """The evidence but for terms that only mend what a stronger one of their kind leaves."""
         strong = []
         for one in found:
-            cause = one.term.cause
-            mends = any(
-                one.gain < (FAMILY if cause.family and cause.family == other.family else ANY) * top
-                for top, other in ((o.gain, o.term.cause) for o in found if o is not one)
-            )
-            if not mends:
+            family = one.term.cause.family
+            kin = [
+                o
+                for o in found
+                if o is not one and family and o.term.cause.family == family and o.gain > one.gain
+            ]
+            if one.gain >= (FAMILY if kin else ANY) * total:
                 strong.append(one)
         return strong
 
@@ -161,7 +165,8 @@ class _Search:
         part = kept.part(term)
         coordinates = kept.coordinates[:, part]
         covariance = kept.covariance[:, part, part]
-        away = self.distance(term, coordinates, covariance, gain)
+        jumped = np.zeros(1) if term.cause.smooth else jump(self.problem, without, kept)
+        away = self.distance(term, coordinates, covariance, jumped)
         if away < self.reference.gate(term.key, swarm=self.swarm) or gain < self.least_gain:
             return None
         total = float(self.problem.losses(without.held_out).sum())
@@ -176,14 +181,12 @@ class _Search:
         )
 
     def distance(
-        self, term: Term, coordinates: FloatArray, covariance: FloatArray, gain: float
+        self, term: Term, coordinates: FloatArray, covariance: FloatArray, jumped: FloatArray
     ) -> float:
         """Standard deviations from the healthy value."""
         mean, sd = self.reference.spread(term.key, coordinates.shape[1], swarm=self.swarm)
         commands = self.problem.tracks.commands
-        return float(
-            distance(term, coordinates, covariance, commands, mean, sd, np.array([gain]))[0]
-        )
+        return float(distance(term, coordinates, covariance, commands, mean, sd, jumped)[0])
 
     def without(self, kept: Fit, term: Term) -> Fit:
         """The set refitted without a term."""
@@ -244,7 +247,11 @@ class _Search:
             if other == term or other.cause.name in names or gain < RIVAL_SHARE * own:
                 continue
             fit = self._with(without, other)
-            if fit is not None and not self._worse(kept, fit) and self._alone(kept, fit, nuisance):
+            if (
+                fit is not None
+                and not self._worse(kept, fit, without)
+                and self._alone(kept, fit, nuisance)
+            ):
                 found.append(other)
         return tuple(found)
 
@@ -255,15 +262,16 @@ class _Search:
             for fit in (kept, rival):
                 part = fit.part(term)
                 spread = fit.covariance[:, part, part]
-                far.append(self.distance(term, fit.coordinates[:, part], spread, 0.0))
+                far.append(self.distance(term, fit.coordinates[:, part], spread, np.zeros(1)))
             if far[1] > max(self.reference.gate(term.key, swarm=self.swarm), 1.5 * far[0]):
                 return False
         return True
 
-    def _worse(self, kept: Fit, rival: Fit) -> bool:
+    def _worse(self, kept: Fit, rival: Fit, without: Fit) -> bool:
         """Whether a rival set is clearly worse on held-out blocks."""
         lost = self.problem.gain(rival, kept)
         block = self.problem.tracks.block
         by_block = np.bincount(block, lost)
         error = float(np.sqrt(np.sum((by_block - by_block.mean()) ** 2)))
-        return float(lost.sum()) > max(MARGIN, MARGIN_ERRORS * error)
+        whole = float(self.problem.gain(without, kept).sum())
+        return float(lost.sum()) > max(MARGIN, min(MARGIN_ERRORS * error, CLEARLY * whole))

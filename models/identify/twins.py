@@ -71,19 +71,25 @@ def _first(options: dict[Term, Fit]) -> Term:
 
 
 def _instead(problem: Problem, kept: Fit, term: Term, twin: Term) -> Fit | None:
-    """The set with the twin in the term's place; None where the twin cannot have such a value."""
+    """The set with the twin in the term's place; None where the twin cannot have such a value.
+
+    Nothing is fitted again: poses say the same of both.
+    """
+    if twin.cause.as_twin is None:
+        return None
     at = kept.part(term)
     terms = tuple(twin if t == term else t for t in kept.terms)
-    begin = []
-    own = [kept.coordinates[:, at]]
-    own += [np.tile(s, (problem.count, 1)) for s in twin.cause.starts(problem.tracks.commands)]
-    for start in own:
-        here = kept.coordinates.copy()
-        here[:, at] = start
-        begin.append(here)
-    fit = problem.fit(terms, begin)
-    lost = float(problem.gain(kept, fit).sum())
-    return fit if lost > -LEAST else None
+    here = kept.coordinates.copy()
+    parameter = twin.cause.parameters[0]
+    for group in range(problem.count):
+        robot = int(np.flatnonzero(problem.groups == group)[0])
+        without = problem.base[robot]
+        moved = term.cause.applied(without, kept.coordinates[group, at], term.variant)
+        value = twin.cause.as_twin(without, moved)
+        if value is None:
+            return None
+        here[group, at] = parameter.coordinate(value)
+    return problem.at(terms, here)
 
 
 def _encoder_loss(tracks: Tracks, motions: list[Motion]) -> FloatArray:

@@ -1,0 +1,145 @@
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from embedded_sim import InputError
+from models.causes import causes
+from models.diagnosis import Diagnosis, Unexplained, as_json, extension
+from models.identify.fit import Term
+from models.identify.select import Evidence
+from models.identify.swarm import Named
+from models.identify.value import Value
+from models.modelfile import load_model, read_model_file
+from models.reference import (
+    Reference,
+    Spread,
+    no_reference,
+    read_reference,
+    shipped_reference,
+    write_reference,
+)
+from studies.diagnosis_files import write_extended
+from studies.diagnosis_words import verdict_sentence
+
+
+def named(*, rivals: tuple[Term, ...] = (), twins: tuple[Term, ...] = ()) -> Named:
+    term = Term(causes()["motor_saturation"], "left")
+    evidence = Evidence(
+        term=term,
+        coordinates=np.array([4.5]),
+        covariance=np.array([[1e-4]]),
+        gain=500.0,
+        share=0.41,
+        p_value=1e-6,
+        distance=9.0,
+        rivals=rivals,
+    )
+    return Named(
+        term=term,
+        robots=(3,),
+        whole_swarm=False,
+        values=(Value("limit", 4.5, 4.4, 4.6, "rad/s"),),
+        evidence=evidence,
+        twins=twins,
+    )
+
+
+LAG = Term(causes()["motor_lag"], "")
+LEFT = Unexplained(channel="speed", share=0.2, where="somewhere", robots=(1,), distance=8.0)
+
+
+@pytest.mark.parametrize(
+    ("found", "verdict"),
+    [
+        (Diagnosis(named=()), "nothing_wrong"),
+        (Diagnosis(named=(named(),)), "named"),
+        (Diagnosis(named=(named(rivals=(LAG,)),)), "ambiguous"),
+        (Diagnosis(named=(named(twins=(LAG,)),)), "ambiguous"),
+        (Diagnosis(named=(named(),), unexplained=(LEFT,)), "unexplained"),
+        (Diagnosis(named=(), unexplained=(LEFT,)), "unexplained"),
+    ],
+)
+def test_the_verdict_follows_from_what_was_found(found: Diagnosis, verdict: str) -> None:
+    assert found.verdict == verdict
+    assert as_json(found)["verdict"] == verdict
+    assert verdict_sentence(found)
+
+
+def test_the_json_says_what_for_whom_how_large_and_what_else() -> None:
+    content = json.loads(json.dumps(as_json(Diagnosis(named=(named(rivals=(LAG,)),)))))
+    cause = content["causes"][0]
+    assert cause["name"] == "motor_saturation"
+    assert cause["robots"] == [3]
+    limit = {"value": 4.5, "low": 4.4, "high": 4.6, "unit": "rad/s"}
+    assert cause["parameters"]["limit"] == limit
+    assert cause["parameters"]["wheel"]["value"] == "left"
+    assert cause["evidence"]["held_out_gain"] == 0.41
+    assert cause["alternatives"] == ["motor_lag"]
+    assert content["next_experiment"]["separates"] == ["motor_saturation", "motor_lag"]
+
+
+def test_an_extended_model_loads_and_holds_what_was_named(tmp_path: Path) -> None:
+    from models.modelfile import find_model_file
+
+    source = find_model_file("epuck")
+    minimal = read_model_file(source)
+    found = extension(Diagnosis(named=(named(),)), log_hash="ab12", command='say "diagnose"')
+    write_extended(minimal, source, found, tmp_path)
+    extended = read_model_file(tmp_path / "extended.toml")
+    assert extended.extension == found
+    assert extended.motion(3).drive.speed_limit == (4.5, math.inf)
+    assert extended.motion(4) == minimal.motion(4)
+    assert load_model(tmp_path / "extended.toml").drive == minimal.point_model().drive
+
+
+def test_a_second_extension_keeps_the_first(tmp_path: Path) -> None:
+    from models.modelfile import find_model_file
+
+    source = find_model_file("epuck")
+    found = extension(Diagnosis(named=(named(),)), log_hash="", command="")
+    write_extended(read_model_file(source), source, found, tmp_path)
+    once = tmp_path / "extended.toml"
+    (tmp_path / "again").mkdir()
+    write_extended(read_model_file(once), once, found, tmp_path / "again")
+    twice = read_model_file(tmp_path / "again" / "extended.toml").extension
+    assert twice is not None
+    assert len(twice.causes) == 2
+
+
+def test_the_shipped_reference_belongs_to_the_shipped_robot() -> None:
+    model = read_model_file("epuck")
+    found = shipped_reference(model.name)
+    assert found is not None
+    assert found.wheel_radius == model.robot.wheel_radius
+    assert found.robots >= 50
+    assert shipped_reference("no such robot") is None
+
+
+def test_a_reference_survives_its_file(tmp_path: Path) -> None:
+    spread = Spread(
+        mean=(0.0,), sd=(0.1,), swarm_mean=(0.0,), swarm_sd=(0.1,), farthest=3.0, swarm_farthest=1.0
+    )
+    drive = read_model_file("epuck").motion().drive
+    made = no_reference("e-puck", drive).model_copy(update={"terms": {"motor_lag": spread}})
+    write_reference(made, tmp_path / "a.json")
+    assert read_reference(tmp_path / "a.json") == made
+
+
+@pytest.mark.parametrize("text", ["{", "[]", '{"model": 3}'])
+def test_what_is_no_reference_is_refused(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "r.json"
+    path.write_text(text)
+    with pytest.raises(InputError):
+        read_reference(path)
+
+
+def test_without_healthy_robots_the_minimal_model_is_health() -> None:
+    motion = read_model_file("epuck").motion()
+    unknown: Reference = no_reference("e-puck", motion.drive)
+    assert unknown.motion(motion) == motion
+    assert unknown.gate("motor_lag") == unknown.gates.distance
