@@ -1,0 +1,1 @@
+"""Naming what is wrong with sensors, lamps and the task, from the log alone."""

@@ -1,0 +1,74 @@
+"""What a cause in the senses is: as a cause in motion, with a term of the point model's senses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from embedded_sim import PointModel
+from embedded_sim.model import FloatArray
+from embedded_sim.senses import Senses
+from models.causes.cause import ALL, Cause, Change
+from models.causes.motion import Motion
+from models.schema import LS, PS
+
+SENSORS_OR_ALL = ("all", *(str(k) for k in range(len(PS))))
+"""Words of a cause that concerns one sensor or all eight."""
+ONE_SENSOR = SENSORS_OR_ALL[1:]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Belief:
+    """What is believed of one robot's senses and task; the defaults are the minimal model."""
+
+    senses: Senses = field(default_factory=Senses)
+    nest_shift: tuple[float, float] = (0.0, 0.0)
+    """m."""
+    nest_scale: float = 1.0
+
+    def of(self, model: PointModel) -> PointModel:
+        """The point model as believed of this robot."""
+        x, y, radius = model.nest
+        nest = (x + self.nest_shift[0], y + self.nest_shift[1], radius * self.nest_scale)
+        return replace(model, senses=self.senses, nest=nest)
+
+
+Sensing = Callable[[Belief, FloatArray, str], Belief]
+
+
+def unmoved(motion: Motion, values: FloatArray, variant: str) -> Motion:
+    """No sensor moves a robot otherwise than its controller does, and that is in the commands."""
+    return motion
+
+
+@dataclass(frozen=True, kw_only=True)
+class SenseCause(Cause):
+    """A physical reason why sensors or the virtual sensor do not read as simulated."""
+
+    sense: Sensing
+    """(belief, values (parameters,), variant) -> belief with the cause. At the null: the same."""
+    place: bool = False
+    """It belongs to the arena, not to a robot: every robot has it or none."""
+    kind: str
+    """What shows it: `ps`, `ls`, `both`, `direct` (seen without a fit) or `nest`."""
+    change: Change = field(default=unmoved)
+    smooth: bool = False
+    """Of motion fits, which it has no part in."""
+
+    def believed(self, belief: Belief, coordinates: FloatArray, variant: str = ALL) -> Belief:
+        """The belief with this cause at the given coordinates, kept within bounds."""
+        values = [
+            p.value(float(np.clip(u, *p.bounds)))
+            for p, u in zip(self.parameters, coordinates, strict=True)
+        ]
+        return self.sense(belief, np.array(values), variant)
+
+
+def chosen(variant: str) -> list[int]:
+    """Indices of the sensors that a word means."""
+    return list(range(len(PS))) if variant == "all" else [int(variant)]
+
+
+__all__ = ["LS", "ONE_SENSOR", "PS", "SENSORS_OR_ALL", "Belief", "SenseCause", "chosen"]

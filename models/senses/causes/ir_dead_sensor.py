@@ -1,0 +1,29 @@
+"""An infrared sensor that reads nothing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from embedded_sim.model import FloatArray
+from models.senses.cause import ONE_SENSOR, PS, Belief, SenseCause, chosen
+
+
+def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
+    gain, offset = list(belief.senses.ps_gain), list(belief.senses.ps_offset)
+    for k in chosen(variant):
+        gain[k] = offset[k] = 0.0
+    senses = replace(belief.senses, ps_gain=tuple(gain), ps_offset=tuple(offset))
+    return replace(belief, senses=senses)
+
+
+CAUSE = SenseCause(
+    name="ir_dead_sensor",
+    meaning="an infrared sensor is dead: it reads nothing, whatever is in front of it",
+    parameters=(),
+    sense=_sense,
+    kind="direct",
+    variants=ONE_SENSOR,
+    word="sensor",
+    columns=PS,
+    experiment="turning on the spot at the wall",
+)

@@ -1,0 +1,27 @@
+"""Infrared in the room that every sensor adds to its reading."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from embedded_sim.model import FloatArray
+from models.causes.cause import Parameter
+from models.senses.cause import PS, Belief, SenseCause
+
+
+def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
+    offset = tuple(one + float(values[0]) for one in belief.senses.ps_offset)
+    return replace(belief, senses=replace(belief.senses, ps_offset=offset))
+
+
+CAUSE = SenseCause(
+    name="ir_offset",
+    meaning="infrared in the room adds to every infrared reading",
+    parameters=(
+        Parameter(name="counts", unit="counts", null=0.0, low=-100.0, high=4095.0, step=0.5),
+    ),
+    sense=_sense,
+    kind="ps",
+    columns=PS,
+    experiment="standing in the middle of the arena, alone",
+)

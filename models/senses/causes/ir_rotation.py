@@ -1,0 +1,26 @@
+"""A ring of sensors mounted at an angle."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from embedded_sim.model import FloatArray
+from models.causes.cause import Parameter
+from models.senses.cause import PS, Belief, SenseCause
+
+
+def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
+    senses = replace(belief.senses, rotation=belief.senses.rotation + float(values[0]))
+    return replace(belief, senses=senses)
+
+
+CAUSE = SenseCause(
+    name="ir_rotation",
+    meaning="the ring of infrared and light sensors is turned on the body",
+    parameters=(Parameter(name="angle", unit="rad", null=0.0, low=-3.1, high=3.1, step=0.01),),
+    sense=_sense,
+    kind="both",
+    columns=PS,
+    confusable_with=("tracker_yaw_offset",),
+    experiment="turning on the spot near the lamp and at the wall",
+)

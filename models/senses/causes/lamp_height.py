@@ -1,0 +1,32 @@
+"""A lamp mounted higher or lower than the captured one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from embedded_sim import PointModel
+from embedded_sim.model import FloatArray
+from models.causes.cause import Parameter
+from models.senses.cause import LS, Belief, SenseCause
+
+LAMP_HEIGHT = PointModel().lamp_height
+"""m, of the captured lamp."""
+
+
+def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
+    return replace(belief, senses=replace(belief.senses, lamp_height=float(values[0])))
+
+
+CAUSE = SenseCause(
+    name="lamp_height",
+    meaning="the lamp is higher or lower than the captured one",
+    parameters=(
+        Parameter(name="height", unit="m", null=LAMP_HEIGHT, low=0.0, high=5.0, step=0.001),
+    ),
+    sense=_sense,
+    kind="ls",
+    place=True,
+    columns=(*LS, "case"),
+    confusable_with=("lamp_intensity", "light_falloff"),
+    experiment="near and far from the lamp",
+)

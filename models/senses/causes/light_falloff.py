@@ -1,0 +1,26 @@
+"""Light that does not fall off with the square of the distance."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from embedded_sim.model import FloatArray
+from models.causes.cause import Parameter
+from models.senses.cause import LS, Belief, SenseCause
+
+
+def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
+    return replace(belief, senses=replace(belief.senses, light_exponent=float(values[0])))
+
+
+CAUSE = SenseCause(
+    name="light_falloff",
+    meaning="the light falls off with another power of distance",
+    parameters=(Parameter(name="exponent", unit="1", null=2.0, low=0.0, high=6.0, step=0.01),),
+    sense=_sense,
+    kind="ls",
+    place=True,
+    columns=(*LS, "case"),
+    confusable_with=("lamp_height", "lamp_intensity", "light_gamma"),
+    experiment="near and far from the lamp",
+)

@@ -1,0 +1,48 @@
+"""Another lamp, as a window in the room."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from embedded_sim.model import FloatArray
+from models.causes.cause import Parameter
+from models.senses.cause import LS, Belief, SenseCause
+
+DIRECTIONS = 12
+REACH = (0.7, 0.35)
+"""m from the arena's centre where a lamp is first looked for."""
+DIM = 0.02
+"""Share of the lamp that it is first taken to have."""
+
+
+def _starts(commands: FloatArray) -> list[FloatArray]:
+    angles = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    return [np.array([r * np.cos(a), r * np.sin(a), DIM]) for r in REACH for a in angles]
+
+
+def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
+    x, y, intensity = (float(value) for value in values)
+    senses = replace(belief.senses, second_lamp=(x, y, intensity) if intensity > 0.0 else None)
+    return replace(belief, senses=senses)
+
+
+CAUSE = SenseCause(
+    name="second_lamp",
+    meaning="there is another source of light, as a window",
+    parameters=(
+        Parameter(name="x", unit="m", null=0.0, low=-3.0, high=3.0, step=0.005),
+        Parameter(name="y", unit="m", null=0.0, low=-3.0, high=3.0, step=0.005),
+        Parameter(
+            name="intensity", unit="share of the lamp", null=0.0, low=0.0, high=100.0, step=0.005
+        ),
+    ),
+    sense=_sense,
+    kind="ls",
+    place=True,
+    columns=(*LS, "case"),
+    confusable_with=("ambient_light", "lamp_moved"),
+    experiment="turning on the spot at several places with the lamp off",
+    starts=_starts,
+)

@@ -1,0 +1,197 @@
+"""From a measured log to what is wrong with sensors, lamps and the nest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from embedded_sim import SENSORS, PointModel
+from models.causes import Motion
+from models.identify.swarm import Named
+from models.log import MeasuredLog
+from models.schema import LS, PS
+from models.senses import nest
+from models.senses.cause import Belief
+from models.senses.causes import sense_causes
+from models.senses.direct import Scale, dead_infrared, dead_light, noise_scale, of_robots
+from models.senses.naming import dead_named, fitted_named, nest_named, noise_named
+from models.senses.predicted import predict
+from models.senses.problem import SWARM, Fit, Problem, Term
+from models.senses.reference import SenseReference, no_sense_reference
+from models.senses.select import Found, choose
+from models.senses.sight import Bools, Sight, look
+from models.sensing import scenarios
+
+LEAST_SWARM = 3
+NOISY = 0.8
+"""Share of the robots that must be noisier for the swarm to be."""
+FAR = 3.0
+"""Standard deviations at which a robot counts as noisier, where the swarm is asked for."""
+AGREES, DISAGREES = 3.0, 4.0
+"""Standard deviations within which, and beyond which, readings of other robots decide between the
+wall and the sensors."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SenseExamination:
+    """What was found in the senses, and what it was drawn from."""
+
+    named: tuple[Named, ...] = ()
+    not_checked: tuple[str, ...] = ()
+    sight: Sight | None = None
+    problem: Problem | None = None
+    fit: Fit | None = None
+    """With every fitted term; None where no sensor could be judged."""
+
+
+def diagnose_senses(
+    log: MeasuredLog,
+    model: PointModel,
+    reference: SenseReference | None,
+    *,
+    seen: Mapping[int, tuple[Motion, Motion]] | None = None,
+) -> SenseExamination:
+    """Say what is wrong with the senses of the robots of a log.
+
+    Args:
+        log: Measured.
+        model: What the simulator believes.
+        reference: What healthy robots' senses do; None: nobody knows.
+        seen: As for `look`: robots whose markers motion has found askew.
+    """
+    missing = list(_missing(log, model, reference))
+    named = _nest(log, model, missing)
+    if model.tables is None or not any(name in log.frame for name in (*PS, *LS)):
+        return SenseExamination(named=named, not_checked=tuple(missing))
+    healthy = no_sense_reference("") if reference is None else reference
+    sight = look(log, model, seen)
+    base = [healthy.base()] * len(sight.robots)
+    expected = predict(sight, model, base)
+    blind = np.hstack(
+        [
+            dead_infrared(sight, expected, healthy.silent),
+            dead_light(sight, expected, model),
+        ]
+    )
+    use = sight.free & ~blind[sight.robot]
+    noisy = _noise(sight, model, base, use, healthy)
+    base = [
+        replace(b, senses=replace(b.senses, ps_noise=b.senses.ps_noise * float(np.exp(u))))
+        for b, (u, _, _) in zip(base, noisy, strict=True)
+    ]
+    problem = Problem(sight, model, base, use)
+    found, fit = choose(problem, healthy)
+    found = [_wall_or_sensors(one, problem, fit, healthy) for one in found]
+    named += fitted_named(found, sight.robots, healthy)
+    named += dead_named(blind, sight.robots)
+    named += noise_named(noisy, sight.robots)
+    return SenseExamination(
+        named=named, not_checked=tuple(missing), sight=sight, problem=problem, fit=fit
+    )
+
+
+def _missing(log: MeasuredLog, model: PointModel, reference: SenseReference | None) -> list[str]:
+    """What this log cannot say of the senses, in words."""
+    said = []
+    if model.tables is None:
+        return ["sensors: the model has no captured tables: neither infrared nor light is judged"]
+    absent = {
+        "ps0..ps7": not any(name in log.frame for name in PS),
+        "ls0..ls7": not any(name in log.frame for name in LS),
+    }
+    kinds = {"ps0..ps7": "ps", "ls0..ls7": "ls"}
+    for columns, gone in absent.items():
+        if gone:
+            silent = [
+                c.name for c in sense_causes().values() if c.columns[0].startswith(kinds[columns])
+            ]
+            said.append(f"no {columns}: {', '.join(silent)}")
+    if not absent["ls0..ls7"] and not (scenarios(log) >= 0).any():
+        said.append(
+            "no case, or one that switches: where the lamp stood is not known, so that no "
+            "cause in the light is judged"
+        )
+    if reference is None and not all(absent.values()):
+        said.append(
+            "no healthy reference of the senses: what the captured tables leave out in every robot "
+            "is named like a fault"
+        )
+    return said
+
+
+def _nest(log: MeasuredLog, model: PointModel, missing: list[str]) -> tuple[Named, ...]:
+    """What is wrong with the nest; says whose answers say nothing."""
+    answers = nest.answers(log)
+    if answers is None:
+        missing.append("no nest: nest_moved, nest_radius")
+        return ()
+    silent = sorted(set(np.unique(answers.robot).tolist()) - set(nest.crossed(answers)))
+    if silent:
+        robots = ", ".join(map(str, silent))
+        missing.append(
+            f"nest_moved, nest_radius of robots {robots} by themselves: they crossed the nest's "
+            f"edge less than {nest.LEAST_CROSSINGS} times"
+        )
+    return nest_named(nest.find(answers, model.nest))
+
+
+def _noise(
+    sight: Sight,
+    model: PointModel,
+    base: list[Belief],
+    use: Bools,
+    healthy: SenseReference,
+) -> list[tuple[float, float, bool]]:
+    """Per robot: logarithm of the noise's scale over the healthy one, its error, swarm-wide?
+
+    The scale is 0 where it is healthy.
+    """
+    plain = Problem(sight, model, base, use)
+    residual = plain.residual((), np.zeros(0))
+    scale = noise_scale(sight, residual, predict(sight, model, base), use)
+    level = healthy.noise
+    value, error = scale.value - level.mean, np.hypot(scale.error, level.sd)
+    known = np.isfinite(value)
+    shared = 0.0
+    if known.sum() >= LEAST_SWARM:
+        middle = float(np.median(value[known]))
+        sure = np.hypot(level.swarm_sd, 1.2533 * np.median(error[known]) / np.sqrt(known.sum()))
+        gate = max(healthy.distance, healthy.margin * level.swarm_farthest)
+        alike = float(np.mean(np.abs(value[known] / error[known]) > FAR))
+        if abs(middle) > gate * sure and alike >= NOISY:
+            shared = middle
+    gate = max(healthy.distance, healthy.margin * level.farthest)
+    rest = np.where(known, value - shared, 0.0)
+    own = np.where(np.abs(rest) > gate * error, rest, 0.0)
+    wide = Scale(shared + own, error)
+    return [
+        (float(u), float(e), bool(shared != 0.0 and o == 0.0))
+        for u, e, o in zip(wide.value, wide.error, own, strict=True)
+    ]
+
+
+def _wall_or_sensors(one: Found, problem: Problem, fit: Fit, healthy: SenseReference) -> Found:
+    """A gain of all sensors of all robots: is it the wall's? Readings of other robots decide."""
+    names = ("ir_gain", "wall_albedo")
+    name = one.term.cause.name
+    if name not in names or one.term.robot != SWARM or one.term.variant not in ("", "all"):
+        return one
+    albedo, gain = Term(sense_causes()["wall_albedo"]), Term(sense_causes()["ir_gain"], "all")
+    sight, model = problem.sight, problem.model
+    counts = predict(sight, model, problem.beliefs(fit.terms, fit.coordinates))
+    told, error = of_robots(sight, model, counts, np.isfinite(sight.read[:, :SENSORS]))
+    size = float(one.coordinates[0] - healthy.spread(one.term.key, 1, swarm=True)[0][0])
+    wide = float(np.hypot(error, healthy.targets.swarm_sd))
+    if not np.isfinite(told):
+        return replace(one, term=albedo, rivals=(gain,))
+    of_wall = abs(told - healthy.targets.mean) / wide
+    of_sensors = abs(told - healthy.targets.mean - size) / wide
+    rivals = tuple(t for t in one.rivals if t.cause.name not in names)
+    if of_wall < AGREES and of_sensors > DISAGREES:
+        return replace(one, term=albedo, rivals=rivals)
+    if of_sensors < AGREES and of_wall > DISAGREES:
+        return replace(one, term=gain, rivals=rivals)
+    first, second = (albedo, gain) if of_wall < of_sensors else (gain, albedo)
+    return replace(one, term=first, rivals=(second, *rivals))

@@ -1,0 +1,134 @@
+"""What every term promises beyond a hypothesis: one linear step each, judged on held-out blocks."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from embedded_sim.model import FloatArray
+from models.senses.causes import sense_causes
+from models.senses.problem import FOLDS, SWARM, Column, Fit, Problem, Term, ridged
+
+FITTED = ("ps", "ls", "both")
+NO_COMMANDS: FloatArray = np.zeros((0, 2))
+
+
+class Promise(NamedTuple):
+    """One term beyond a hypothesis."""
+
+    term: Term
+    gain: float
+    """Held-out deviance that one linear step takes off."""
+    coordinates: FloatArray
+    """(p,) of the term alone, after that step."""
+    start: FloatArray
+    """(p0 + p,) of the whole hypothesis with the term, after that step."""
+    error: FloatArray
+    """(p,) standard errors of the coordinates, by blocks."""
+
+
+def promises(
+    problem: Problem, kept: Fit, *, swarm: bool = True, private: bool = True
+) -> list[Promise]:
+    """Every term's promise for the swarm and for each robot, best first."""
+    found: list[Promise] = []
+    for cause in sense_causes().values():
+        if cause.kind not in FITTED or not _visible(problem, cause.kind):
+            continue
+        taken = {(t.cause.name, t.robot) for t in kept.terms}
+        for variant in cause.variants:
+            term = Term(cause, variant)
+            starts = cause.starts(NO_COMMANDS) or [np.zeros(term.size)]
+            best: dict[int, Promise] = {}
+            for start in starts:
+                columns, pulled = _columns(problem, kept, term, start)
+                scopes = [SWARM] if swarm else []
+                if private and not cause.place:
+                    scopes += range(len(problem.sight.robots))
+                for robot in scopes:
+                    if (cause.name, robot) in taken and len(cause.variants) == 1:
+                        continue
+                    mine = term._replace(robot=robot)
+                    if mine in kept.terms or not any(
+                        c.values[problem.rows(mine)].any() for c in columns
+                    ):
+                        continue
+                    one = _step(problem, kept, mine, pulled, columns)
+                    if robot not in best or one.gain > best[robot].gain:
+                        best[robot] = one
+            found += best.values()
+    return sorted(found, key=lambda one: -one.gain)
+
+
+def _visible(problem: Problem, kind: str) -> bool:
+    half = problem.use.shape[1] // 2
+    ps, ls = problem.use[:, :half].any(), problem.use[:, half:].any()
+    return bool({"ps": ps, "ls": ls, "both": ps or ls}[kind])
+
+
+def _columns(
+    problem: Problem, kept: Fit, term: Term, start: FloatArray
+) -> tuple[list[Column], FloatArray]:
+    """Changes of the errors with the term's coordinates, and the coordinates they start from.
+
+    A second lamp cannot be moved while it is dark: it is lit a little to see what it would do, and
+    its brightness alone is what a first step changes.
+    """
+    whole = (*kept.terms, term)
+    null = np.concatenate([kept.coordinates, np.zeros(term.size)])
+    if not start.any():
+        return problem.columns(whole, null, kept.residual, len(kept.terms)), start
+    lit = np.concatenate([kept.coordinates, start])
+    last = term.cause.parameters[-1]
+    change = (problem.residual(whole, lit) - kept.residual) / start[-1]
+    dark = start.copy()
+    dark[-1] = last.coordinate(last.null)
+    return [Column(slice(0, None), change)], dark
+
+
+def _step(
+    problem: Problem, kept: Fit, term: Term, start: FloatArray, columns: list[Column]
+) -> Promise:
+    """One linear step of the kept terms and this one together, for one robot or all."""
+    rows = problem.rows(term)
+    mine = [Column(rows, c.values[rows]) for c in columns]
+    together = [*kept.columns, *mine]
+    slope, bend = problem.normal(kept.residual, together)
+    total = ridged(bend.sum(axis=0))
+    step = -np.linalg.solve(total, slope.sum(axis=0))
+    inverse = np.linalg.inv(total)
+    centred = slope - slope.mean(axis=0)
+    sand = np.diag(inverse @ (centred.T @ centred) @ inverse)
+    error = np.sqrt(np.maximum(sand, np.diag(inverse)))
+    moved = kept.residual.copy()
+    row_fold = problem.fold[problem.sight.block]
+    out = step + _left(problem, slope, bend)
+    n = len(moved)
+    for i, one in enumerate(together):
+        begin, end, _ = one.rows.indices(n)
+        moved[begin:end] += one.values * out[row_fold[begin:end], i, None]
+    held = problem.deviance(np.where(problem.use, moved, 0.0))
+    own = step[len(kept.columns) :]
+    coordinates = start.copy()
+    coordinates[len(start) - len(own) :] += own
+    last = term.cause.parameters[-1]
+    possible = not start.any() or last.bounds[0] < coordinates[-1] < last.bounds[1]
+    gain = float((kept.held_out - held).sum()) if possible else -np.inf
+    wide = np.zeros(len(start))
+    wide[len(start) - len(own) :] = error[len(kept.columns) :]
+    begun = np.concatenate([kept.coordinates + step[: len(kept.columns)], coordinates])
+    return Promise(term, gain, coordinates, begun, wide)
+
+
+def _left(problem: Problem, slope: FloatArray, bend: FloatArray) -> FloatArray:
+    """(folds, p) difference of each fold's left-out step from the whole step."""
+    total = bend.sum(axis=0)
+    whole = -np.linalg.solve(ridged(total), slope.sum(axis=0))
+    steps = []
+    for k in range(FOLDS):
+        out = problem.fold == k
+        rest = total - bend[out].sum(axis=0)
+        left = slope.sum(axis=0) - slope[out].sum(axis=0)
+        steps.append(-np.linalg.solve(ridged(rest), left) - whole)
+    return np.array(steps)

@@ -1,0 +1,166 @@
+"""A healthy reference of the senses from healthy logs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from embedded_sim import PointModel
+from embedded_sim.model import FloatArray
+from models.senses.cause import Belief
+from models.senses.causes import sense_causes
+from models.senses.direct import noise_scale, of_robots
+from models.senses.glance import promises
+from models.senses.predicted import predict
+from models.senses.problem import SWARM, Problem, Term
+from models.senses.reference import INHERENT, Health, Level, SenseReference
+from models.senses.sight import Sight
+
+NORMAL = 1.4826
+LEAST_ERROR = 1e-9
+
+
+class Seen(NamedTuple):
+    """One term of one healthy robot or swarm."""
+
+    key: str
+    swarm: bool
+    value: FloatArray
+    error: FloatArray
+    gain: float
+
+
+class Healthy(NamedTuple):
+    """One healthy log."""
+
+    robots: int
+    seen: list[Seen]
+    noise: FloatArray
+    noise_error: FloatArray
+    targets: float
+    targets_error: float
+    silent: float
+
+
+def inherent_of(sight: Sight, model: PointModel) -> dict[str, float]:
+    """Coordinates of the inherent terms that show in one healthy log."""
+    problem = Problem(sight, model, [Belief()] * len(sight.robots), sight.free)
+    terms = tuple(Term(sense_causes()[name]) for name in INHERENT)
+    fit = problem.fit(terms, np.zeros(len(terms)))
+    columns = [float(np.abs(c.values).max(initial=0.0)) for c in fit.columns]
+    return {
+        name: float(u)
+        for name, u, size in zip(INHERENT, fit.coordinates, columns, strict=True)
+        if size > 0.0
+    }
+
+
+def healthy_log(sight: Sight, model: PointModel, base: Belief) -> Healthy:
+    """Every term of every robot of one healthy log, and of its swarm."""
+    beliefs = [base] * len(sight.robots)
+    problem = Problem(sight, model, beliefs, sight.free)
+    kept = problem.fit((), np.zeros(0))
+    seen = [
+        Seen(p.term.key, p.term.robot == SWARM, p.coordinates, p.error, p.gain)
+        for p in promises(problem, kept)
+        if np.isfinite(p.gain)
+    ]
+    counts = predict(sight, model, beliefs)
+    scale = noise_scale(sight, kept.residual, counts, sight.free)
+    targets, error = of_robots(sight, model, counts, np.isfinite(sight.read))
+    zeros = [
+        float(np.nanmean(sight.read[sight.rows_of(k), s] == 0.0))
+        for k in range(len(sight.robots))
+        for s in range(8)
+        if np.isfinite(sight.read[sight.rows_of(k), s]).any()
+    ]
+    return Healthy(
+        len(sight.robots), seen, scale.value, scale.error, targets, error, max(zeros, default=1.0)
+    )
+
+
+def make_sense_reference(
+    logs: Sequence[Healthy], inherent: dict[str, float], *, model: str, command: str
+) -> SenseReference:
+    """One reference from many healthy logs."""
+    keys = sorted({one.key for log in logs for one in log.seen})
+    terms = {}
+    for key in keys:
+        mine = [one for log in logs for one in log.seen if one.key == key]
+        private = [one for one in mine if not one.swarm]
+        shared = [one for one in mine if one.swarm]
+        mean, sd, far, gain = _spread(private)
+        swarm_mean, swarm_sd, swarm_far, swarm_gain = _spread(shared)
+        terms[key] = Health(
+            mean=mean,
+            sd=sd,
+            swarm_mean=swarm_mean,
+            swarm_sd=swarm_sd,
+            farthest=far,
+            swarm_farthest=swarm_far,
+            gain=gain,
+            swarm_gain=swarm_gain,
+        )
+    noise = np.concatenate([log.noise for log in logs])
+    noise_error = np.concatenate([log.noise_error for log in logs])
+    swarm = np.array([np.nanmedian(log.noise) if len(log.noise) else np.nan for log in logs])
+    targets = np.array([log.targets for log in logs])
+    return SenseReference(
+        model=model,
+        robots=sum(log.robots for log in logs),
+        swarms=len(logs),
+        inherent=inherent,
+        terms=terms,
+        noise=_level(noise, noise_error, swarm),
+        targets=_level(targets, np.array([log.targets_error for log in logs]), targets),
+        silent=max((log.silent for log in logs), default=1.0),
+        command=command,
+    )
+
+
+def away(value: FloatArray, error: FloatArray, mean: FloatArray, sd: FloatArray) -> float:
+    """Standard deviations from health, over the coordinates that a healthy spread is known of."""
+    wide = np.sqrt(error**2 + sd**2)
+    known = error > 0.0
+    if not known.any():
+        return 0.0
+    return float(np.sqrt((((value - mean)[known] / wide[known]) ** 2).sum()))
+
+
+def _spread(
+    seen: Sequence[Seen],
+) -> tuple[tuple[float, ...], tuple[float, ...], float, float]:
+    """Mean, standard deviation beyond the errors, farthest, largest gain."""
+    if not seen:
+        return (), (), 0.0, 0.0
+    value = np.array([one.value for one in seen])
+    error = np.array([one.error for one in seen])
+    moved = error > 0.0
+    usable = np.where(moved, value, 0.0)
+    mean = np.median(usable, axis=0)
+    wide = np.std(usable - mean, axis=0)
+    sd = np.sqrt(np.maximum(wide**2 - np.median(error, axis=0) ** 2, (0.5 * wide) ** 2))
+    far = max(away(one.value, one.error, mean, sd) for one in seen)
+    gain = max(one.gain for one in seen)
+    return tuple(mean.tolist()), tuple(sd.tolist()), far, max(gain, 0.0)
+
+
+def _level(value: FloatArray, error: FloatArray, swarm: FloatArray) -> Level:
+    known = np.isfinite(value)
+    if not known.any():
+        return Level()
+    mean = float(np.median(value[known]))
+    wide = float(np.std(value[known]))
+    sd = float(np.sqrt(max(wide**2 - float(np.median(error[known])) ** 2, (0.5 * wide) ** 2)))
+    swarm_sd = float(np.std(swarm[np.isfinite(swarm)])) if np.isfinite(swarm).any() else 0.0
+    far = np.abs(value[known] - mean) / np.hypot(error[known], sd)
+    mine = np.abs(swarm[np.isfinite(swarm)] - mean) / max(swarm_sd, LEAST_ERROR)
+    return Level(
+        mean=mean,
+        sd=sd,
+        swarm_sd=swarm_sd,
+        farthest=float(far.max(initial=0.0)),
+        swarm_farthest=float(mine.max(initial=0.0)),
+    )

@@ -1,0 +1,159 @@
+"""Findings in the senses as the diagnosis names causes: robots, values with intervals, evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy import stats
+
+from embedded_sim.model import FloatArray
+from models.causes.cause import ALL
+from models.identify import fit as motion
+from models.identify.select import Evidence
+from models.identify.swarm import Named
+from models.identify.value import Value
+from models.senses.cause import SenseCause
+from models.senses.causes import sense_causes
+from models.senses.nest import NestFound
+from models.senses.problem import SWARM
+from models.senses.reference import SenseReference
+from models.senses.select import Found
+from models.senses.sight import Bools
+
+NOMINAL = 1.96
+"""Standard deviations of a normal variable on each side of 95 %."""
+LEAST_SWARM = 3
+SURE = 99.0
+"""Distance from health told of a sensor that is simply dead, in standard deviations."""
+
+
+def fitted_named(
+    found: Sequence[Found], robots: tuple[int, ...], healthy: SenseReference
+) -> tuple[Named, ...]:
+    """Fitted terms, less what healthy robots get for them."""
+    named = []
+    for one in found:
+        swarm = one.term.robot == SWARM
+        mean, sd = healthy.spread(one.term.key, one.term.size, swarm=swarm)
+        evidence = _evidence(
+            one.term.cause, one.term.variant, one.coordinates, one.gain, one.share, one.distance
+        )
+        rivals = tuple(motion.Term(t.cause, t.variant) for t in one.rivals)
+        named.append(
+            _named(
+                one.term.cause,
+                one.term.variant,
+                robots if swarm else (robots[one.term.robot],),
+                _values(one.term.cause, one.coordinates - mean, np.hypot(one.error, sd)),
+                evidence,
+                whole=swarm and len(robots) >= LEAST_SWARM,
+                rivals=rivals,
+                gains=one.gains,
+            )
+        )
+    return tuple(named)
+
+
+def dead_named(blind: Bools, robots: tuple[int, ...]) -> tuple[Named, ...]:
+    """Sensors that are dead: (robots, 16), infrared before light."""
+    named = []
+    half = blind.shape[1] // 2
+    for k, column in np.argwhere(blind).tolist():
+        name = "ir_dead_sensor" if column < half else "ls_dead_sensor"
+        cause, word = sense_causes()[name], str(column % half)
+        evidence = _evidence(cause, word, np.zeros(0), 0.0, 1.0, SURE)
+        named.append(_named(cause, word, (robots[k],), (), evidence))
+    return tuple(named)
+
+
+def noise_named(
+    noisy: Sequence[tuple[float, float, bool]], robots: tuple[int, ...]
+) -> tuple[Named, ...]:
+    """Robots with other noise: (logarithm of scale, error, shared by the swarm)."""
+    cause = sense_causes()["ir_noise"]
+    named = []
+    shared = [(u, e) for u, e, swarm in noisy if swarm and u != 0.0]
+    if shared:
+        value = np.array([float(np.median([u for u, _ in shared]))])
+        error = np.array([float(np.median([e for _, e in shared])) / len(shared) ** 0.5])
+        evidence = _evidence(cause, ALL, value, 0.0, 1.0, float(abs(value[0]) / error[0]))
+        values = _values(cause, value, error)
+        named.append(_named(cause, ALL, robots, values, evidence, whole=True))
+    for robot, (u, e, swarm) in zip(robots, noisy, strict=True):
+        if u != 0.0 and not swarm:
+            value, error = np.array([u]), np.array([e])
+            evidence = _evidence(cause, ALL, value, 0.0, 1.0, abs(u) / e)
+            named.append(_named(cause, ALL, (robot,), _values(cause, value, error), evidence))
+    return tuple(named)
+
+
+def nest_named(found: Sequence[NestFound]) -> tuple[Named, ...]:
+    """Changes of the nest."""
+    named = []
+    for one in found:
+        cause = sense_causes()[one.name]
+        evidence = _evidence(cause, ALL, one.coordinates, one.gain, one.share, one.distance)
+        named.append(
+            _named(
+                cause,
+                ALL,
+                one.robots,
+                _values(cause, one.coordinates, one.error),
+                evidence,
+                whole=one.whole_swarm,
+                rivals=tuple(motion.Term(sense_causes()[name], ALL) for name in one.rivals),
+            )
+        )
+    return tuple(named)
+
+
+def _values(cause: SenseCause, coordinates: FloatArray, error: FloatArray) -> tuple[Value, ...]:
+    """Physical values with 95 % intervals."""
+    told = []
+    for p, u, e in zip(cause.parameters, coordinates, error, strict=True):
+        ends = (float(np.clip(u + side * NOMINAL * e, *p.bounds)) for side in (-1.0, 0.0, 1.0))
+        low, value, high = (p.value(end) for end in ends)
+        told.append(Value(p.name, value, low, high, p.unit))
+    return tuple(told)
+
+
+def _evidence(
+    cause: SenseCause,
+    variant: str,
+    coordinates: FloatArray,
+    gain: float,
+    share: float,
+    distance: float,
+) -> Evidence:
+    return Evidence(
+        term=motion.Term(cause, variant),
+        coordinates=coordinates,
+        covariance=np.zeros((len(coordinates), len(coordinates))),
+        gain=gain,
+        share=share,
+        p_value=float(2.0 * stats.norm.sf(distance)),
+        distance=distance,
+    )
+
+
+def _named(
+    cause: SenseCause,
+    variant: str,
+    robots: tuple[int, ...],
+    values: tuple[Value, ...],
+    evidence: Evidence,
+    *,
+    whole: bool = False,
+    rivals: tuple[motion.Term, ...] = (),
+    gains: tuple[tuple[str, float], ...] = (),
+) -> Named:
+    return Named(
+        term=motion.Term(cause, variant),
+        robots=robots,
+        whole_swarm=whole,
+        values=values,
+        evidence=replace(evidence, rivals=rivals, gains=gains),
+        twins=(),
+    )

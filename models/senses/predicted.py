@@ -1,0 +1,82 @@
+"""What the point model's sensors read at the rows of a log, and how far off they may be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.special import ndtr
+
+from embedded_sim import SENSORS, PointModel, readings
+from embedded_sim.model import FloatArray
+from models.senses.cause import Belief
+from models.senses.sight import Rows, Sight
+
+UNIFORM = 3.0**-0.5
+"""Standard deviation of a uniform variable relative to its half width."""
+TABLE_ERROR = 0.01
+"""Relative standard deviation of what a captured table and its interpolation get wrong."""
+
+
+def predict(
+    sight: Sight, model: PointModel, beliefs: Sequence[Belief], robots: Sequence[int] | None = None
+) -> FloatArray:
+    """(rows, 16) counts expected; rows of other robots than those asked for are 0.
+
+    Args:
+        sight: Where and when.
+        model: Before anything believed of single robots.
+        beliefs: One per robot.
+        robots: Indices; None: all.
+    """
+    result = np.zeros(sight.read.shape)
+    alike: dict[Belief, list[int]] = {}
+    for k in range(len(sight.robots)) if robots is None else robots:
+        alike.setdefault(beliefs[k], []).append(k)
+    for belief, group in alike.items():
+        if len(group) == len(sight.robots):
+            return _read(sight, belief.of(model), np.arange(len(sight.time)))
+        rows = np.concatenate([np.arange(*sight.begin[k : k + 2]) for k in group])
+        result[rows] = _read(sight, belief.of(model), rows)
+    return result
+
+
+def _read(sight: Sight, model: PointModel, rows: Rows) -> FloatArray:
+    """(rows, 16) of one model."""
+    assert model.tables is not None
+    scenario = np.maximum(sight.scenario[rows], 0)
+    read = readings(sight.poses[rows], scenario, sight.time[rows], model=model)
+    return np.hstack([_never_below_zero(read.ps, model), read.ls])
+
+
+def _never_below_zero(counts: FloatArray, model: PointModel) -> FloatArray:
+    """Mean of infrared readings whose noise is cut off at zero, taken for normal."""
+    assert model.tables is not None
+    sd = max(model.senses.ps_noise * model.tables.ps_noise_floor * UNIFORM, 1e-9)
+    far = counts > 5.0 * sd
+    z = np.where(far, 0.0, counts / sd)
+    mean = counts * ndtr(z) + sd * np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi)
+    return np.asarray(np.where(far, counts, mean))
+
+
+def noise(
+    sight: Sight, model: PointModel, beliefs: Sequence[Belief], counts: FloatArray
+) -> FloatArray:
+    """(rows, 16) standard deviation of readings about what is predicted, `counts`."""
+    tables = model.tables
+    assert tables is not None
+    scale = np.array([belief.senses.ps_noise for belief in beliefs])[sight.robot][:, None]
+    floor, light = tables.ps_noise_floor * UNIFORM, tables.ls_noise * UNIFORM
+    ps, lit = counts[:, :SENSORS], np.abs(tables.ls_dark - counts[:, SENSORS:])
+    variance = np.hstack(
+        [
+            scale**2 * ((tables.ps_noise * UNIFORM * ps) ** 2 + floor**2),
+            light**2 + (TABLE_ERROR * lit) ** 2,
+        ]
+    )
+    for axis in range(3):
+        moved = sight.poses.copy()
+        moved[:, axis] += sight.spread[:, axis]
+        variance += (predict(replace(sight, poses=moved), model, beliefs) - counts) ** 2
+    return np.asarray(np.sqrt(variance + 1.0 / 12.0))

@@ -1,0 +1,249 @@
+"""Robust fits of causes to readings: terms of the whole swarm and of single robots together.
+
+A hypothesis is a tuple of shared or private terms. Errors are Student-t. Held-out deviances come
+from the optimum's own curvature, each fold of blocks left out in turn moving it by one Newton step,
+and covariances from whole blocks, as for motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from embedded_sim import PointModel
+from embedded_sim.model import FloatArray
+from models.causes.cause import ALL
+from models.senses.cause import Belief, SenseCause
+from models.senses.predicted import noise, predict
+from models.senses.sight import Sight
+
+FOLDS = 5
+DEGREES = 4.0
+"""Of freedom of the errors: front infrared sensors have a fifth of gross outliers."""
+ITERATIONS = 8
+CONVERGED = 0.05
+"""Deviance promised by a further step at which a fit has ended."""
+RIDGE = 1e-10
+SWARM = -1
+"""Scope of a term that all robots share."""
+
+
+class Term(NamedTuple):
+    """One variant of a cause, for one robot (its index) or for all (`SWARM`)."""
+
+    cause: SenseCause
+    variant: str = ALL
+    robot: int = SWARM
+
+    @property
+    def key(self) -> str:
+        """A name for tables, the same for every robot."""
+        return f"{self.cause.name}/{self.variant}" if self.variant else self.cause.name
+
+    @property
+    def size(self) -> int:
+        """Parameters."""
+        return len(self.cause.parameters)
+
+
+Terms = tuple[Term, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """Change of the errors with one coordinate, at some rows."""
+
+    rows: slice
+    values: FloatArray
+    """(those rows, 16) in noise."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Fit:
+    """A fitted hypothesis."""
+
+    terms: Terms
+    coordinates: FloatArray
+    """(p,)."""
+    covariance: FloatArray
+    """(p, p) by blocks."""
+    residual: FloatArray
+    """(rows, 16) errors in noise; 0 where nothing is judged."""
+    columns: list[Column]
+    held_out: FloatArray
+    """(blocks,) deviance of each block at the optimum of the other folds."""
+
+    def part(self, term: Term) -> slice:
+        """Where a term's coordinates are."""
+        begin = sum(t.size for t in self.terms[: self.terms.index(term)])
+        return slice(begin, begin + term.size)
+
+
+class Problem:
+    """Readings, what is believed of each robot before any term, and which readings count."""
+
+    def __init__(
+        self,
+        sight: Sight,
+        model: PointModel,
+        base: Sequence[Belief],
+        use: npt.NDArray[np.bool_],
+    ) -> None:
+        """Prepare; `use` (rows, 16) says which readings are judged."""
+        self.sight, self.model, self.base, self.use = sight, model, list(base), use
+        counts = predict(sight, model, self.base)
+        self.noise = noise(sight, model, self.base, counts)
+        self.blocks = int(sight.block.max()) + 1
+        self.fold = (np.arange(self.blocks) * 7919 % 104729) % FOLDS  # neighbours in other folds
+
+    def beliefs(self, terms: Terms, coordinates: FloatArray) -> list[Belief]:
+        """Each robot's belief with the terms."""
+        result = list(self.base)
+        begin = 0
+        for term in terms:
+            values = coordinates[begin : begin + term.size]
+            begin += term.size
+            for k in self.concerned(term):
+                result[k] = term.cause.believed(result[k], values, term.variant)
+        return result
+
+    def concerned(self, term: Term) -> list[int]:
+        """Indices of a term's robots."""
+        return list(range(len(self.sight.robots))) if term.robot == SWARM else [term.robot]
+
+    def rows(self, term: Term) -> slice:
+        """Rows of a term's robots."""
+        return slice(0, None) if term.robot == SWARM else self.sight.rows_of(term.robot)
+
+    def residual(
+        self, terms: Terms, coordinates: FloatArray, robots: Sequence[int] | None = None
+    ) -> FloatArray:
+        """(rows, 16) errors in noise; 0 for rows of robots not asked for."""
+        counts = predict(self.sight, self.model, self.beliefs(terms, coordinates), robots)
+        return np.where(self.use, (self.sight.read - counts) / self.noise, 0.0)
+
+    def deviance(self, residual: FloatArray, rows: slice = slice(0, None)) -> FloatArray:
+        """(blocks,) of readings at some rows."""
+        each = (DEGREES + 1.0) * np.log1p(residual**2 / DEGREES).sum(axis=1)
+        return np.asarray(np.bincount(self.sight.block[rows], each, self.blocks), dtype=float)
+
+    def columns(
+        self, terms: Terms, coordinates: FloatArray, residual: FloatArray, first: int = 0
+    ) -> list[Column]:
+        """Changes of the errors with every coordinate of the terms from the `first` on."""
+        found = []
+        begin = 0
+        for index, term in enumerate(terms):
+            for k, parameter in enumerate(term.cause.parameters):
+                if index >= first:
+                    there = coordinates.copy()
+                    there[begin + k] += parameter.step
+                    rows = self.rows(term)
+                    moved = self.residual(terms, there, self.concerned(term))
+                    found.append(Column(rows, (moved[rows] - residual[rows]) / parameter.step))
+            begin += term.size
+        return found
+
+    def fit(self, terms: Terms, start: FloatArray) -> Fit:
+        """Gauss-Newton from a start (p,)."""
+        bounds = np.array([p.bounds for t in terms for p in t.cause.parameters]).reshape(-1, 2).T
+        here = np.clip(start, *bounds) if len(start) else start
+        residual = self.residual(terms, here)
+        columns = self.columns(terms, here, residual)
+        loss = float(self.deviance(residual).sum())
+        damping = 1e-6
+        for _ in range(ITERATIONS if len(here) else 0):
+            slope, bend = self.normal(residual, columns)
+            total = bend.sum(axis=0)
+            damped = total + damping * np.diag(np.diag(total))
+            step = np.linalg.solve(ridged(damped), slope.sum(axis=0))
+            if float(step @ slope.sum(axis=0)) < CONVERGED:
+                break
+            there = np.clip(here - step, *bounds)
+            tried = self.residual(terms, there)
+            lost = float(self.deviance(tried).sum())
+            if lost < loss:
+                here, residual, loss, damping = there, tried, lost, max(damping * 0.1, 1e-8)
+                columns = self.columns(terms, here, residual)
+            else:
+                damping = max(damping * 30.0, 1e-3)
+                if damping > 1e4:
+                    break
+        return self.finished(terms, here, residual, columns)
+
+    def finished(
+        self, terms: Terms, here: FloatArray, residual: FloatArray, columns: list[Column]
+    ) -> Fit:
+        """Covariance and held-out deviances at an optimum."""
+        slope, bend = self.normal(residual, columns)
+        total = bend.sum(axis=0)
+        inverse = np.linalg.inv(ridged(total)) if len(here) else np.zeros((0, 0))
+        centred = slope - slope.mean(axis=0)
+        sand = inverse @ (centred.T @ centred) @ inverse
+        plain = np.sqrt(np.maximum(np.diag(inverse) / np.maximum(np.diag(sand), 1e-300), 1.0))
+        return Fit(
+            terms=terms,
+            coordinates=here,
+            covariance=sand * np.outer(plain, plain),
+            residual=residual,
+            columns=columns,
+            held_out=self.held_out(residual, columns, slope, bend),
+        )
+
+    def normal(self, residual: FloatArray, columns: list[Column]) -> tuple[FloatArray, FloatArray]:
+        """Gradient (blocks, p) and curvature (blocks, p, p) of half the deviance."""
+        p = len(columns)
+        slope, bend = np.zeros((self.blocks, p)), np.zeros((self.blocks, p, p))
+        weight = np.where(self.use, (DEGREES + 1.0) / (DEGREES + residual**2), 0.0)
+        n = len(residual)
+        for i, one in enumerate(columns):
+            begin, end, _ = one.rows.indices(n)
+            pull = weight[begin:end] * one.values
+            block = self.sight.block[begin:end]
+            each = (pull * residual[begin:end]).sum(axis=1)
+            slope[:, i] = np.bincount(block, each, self.blocks)
+            for j, other in enumerate(columns[: i + 1]):
+                b, e, _ = other.rows.indices(n)
+                low, high = max(begin, b), min(end, e)
+                if low >= high:
+                    continue
+                both = pull[low - begin : high - begin] * other.values[low - b : high - b]
+                summed = np.bincount(self.sight.block[low:high], both.sum(axis=1), self.blocks)
+                bend[:, i, j] = bend[:, j, i] = summed
+        return slope, bend
+
+    def held_out(
+        self, residual: FloatArray, columns: list[Column], slope: FloatArray, bend: FloatArray
+    ) -> FloatArray:
+        """(blocks,) deviance with each fold left out of the fit."""
+        if not columns:
+            return self.deviance(residual)
+        steps = self.left_out(slope, bend)
+        moved = residual.copy()
+        row_fold = self.fold[self.sight.block]
+        n = len(residual)
+        for i, one in enumerate(columns):
+            begin, end, _ = one.rows.indices(n)
+            moved[begin:end] += one.values * steps[row_fold[begin:end], i, None]
+        return self.deviance(np.where(self.use, moved, 0.0))
+
+    def left_out(self, slope: FloatArray, bend: FloatArray) -> FloatArray:
+        """(folds, p) by how much the optimum moves when a fold is left out."""
+        total, pull = bend.sum(axis=0), slope.sum(axis=0)
+        steps = []
+        for k in range(FOLDS):
+            out = self.fold == k
+            rest, left = total - bend[out].sum(axis=0), pull - slope[out].sum(axis=0)
+            steps.append(-np.linalg.solve(ridged(rest), left))
+        return np.array(steps)
+
+
+def ridged(curvature: FloatArray) -> FloatArray:
+    """Curvature made invertible where a parameter has no effect at all."""
+    diagonal = np.diag(curvature)
+    floor = RIDGE * max(float(diagonal.max(initial=0.0)), 1.0)
+    return np.asarray(curvature + np.diag(RIDGE * diagonal + floor))

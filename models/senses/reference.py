@@ -1,0 +1,148 @@
+"""The healthy reference of the senses: what healthy robots' readings do beyond the model.
+
+As the reference of motion: an inherent part, and for every term the value that healthy robots and
+whole healthy swarms get for it. It is a file of its own beside the motion's.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from embedded_sim import InputError
+from embedded_sim.model import FloatArray
+from models.senses.cause import Belief
+from models.senses.causes import sense_causes
+
+DIRECTORY = Path(__file__).parents[1] / "references" / "senses"
+SCHEMA = 1
+INHERENT = ("ir_offset", "lamp_intensity")
+"""Terms that stand for what the captured tables leave out in every healthy robot: rounding at zero,
+and interpolation between the nodes."""
+
+
+class _Strict(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Health(_Strict):
+    """What healthy robots get for a term: coordinates (p,)."""
+
+    mean: tuple[float, ...]
+    sd: tuple[float, ...]
+    """Between robots, their own uncertainty taken off."""
+    swarm_mean: tuple[float, ...]
+    swarm_sd: tuple[float, ...]
+    farthest: float
+    """Largest distance, in standard deviations, of a healthy robot."""
+    swarm_farthest: float
+    gain: float
+    """Largest held-out deviance that the term took off a healthy robot."""
+    swarm_gain: float
+
+
+class Level(_Strict):
+    """A number of healthy robots, and its standard deviations between robots and swarms."""
+
+    mean: float = 0.0
+    sd: float = 0.0
+    swarm_sd: float = 0.0
+    farthest: float = 0.0
+    """Largest distance of a healthy robot, in standard deviations."""
+    swarm_farthest: float = 0.0
+
+
+class SenseReference(_Strict):
+    """What is believed of healthy robots' senses."""
+
+    schema_version: int = SCHEMA
+    model: str
+    robots: int
+    swarms: int
+    inherent: dict[str, float] = {}
+    """Coordinates of `INHERENT`."""
+    terms: dict[str, Health] = {}
+    noise: Level = Level()
+    """Logarithm of the infrared errors' scale over the tables' noise."""
+    targets: Level = Level()
+    """Logarithm of what infrared reads of other robots over what it would of a wall there."""
+    silent: float = 1.0
+    """Largest share of zeros among all readings of a healthy infrared sensor."""
+    gain: float = 15.0
+    """Held-out deviance that a term must take off."""
+    distance: float = 5.0
+    """Standard deviations from health that a term must be."""
+    margin: float = 1.3
+    """Times the farthest healthy robot, and the largest healthy gain."""
+    command: str = ""
+
+    def base(self) -> Belief:
+        """A healthy robot's senses."""
+        belief = Belief()
+        for name, coordinate in self.inherent.items():
+            belief = sense_causes()[name].believed(belief, np.array([coordinate]))
+        return belief
+
+    def spread(self, key: str, size: int, *, swarm: bool) -> tuple[FloatArray, FloatArray]:
+        """(p,) healthy mean and standard deviation of a term's coordinates."""
+        if key not in self.terms:
+            return np.zeros(size), np.zeros(size)
+        found = self.terms[key]
+        if swarm:
+            return np.array(found.swarm_mean), np.array(found.swarm_sd)
+        return np.array(found.mean), np.array(found.sd)
+
+    def gates(self, key: str, *, swarm: bool) -> tuple[float, float]:
+        """Gain and distance that a term needs."""
+        if key not in self.terms:
+            return self.gain, self.distance
+        found = self.terms[key]
+        gain, far = (
+            (found.swarm_gain, found.swarm_farthest) if swarm else (found.gain, found.farthest)
+        )
+        return max(self.gain, self.margin * gain), max(self.distance, self.margin * far)
+
+
+def no_sense_reference(model: str) -> SenseReference:
+    """What is believed where nobody measured healthy robots."""
+    return SenseReference(model=model, robots=0, swarms=0)
+
+
+def write_sense_reference(reference: SenseReference, path: Path) -> None:
+    """Write as JSON, numbers at full precision."""
+    text = json.dumps(reference.model_dump(mode="json"), indent=1, allow_nan=False)
+    path.write_text(text + "\n", encoding="utf-8")
+
+
+def read_sense_reference(path: Path) -> SenseReference:
+    """Read a reference file.
+
+    Raises:
+        InputError: there is no such file, or it is not a reference of senses.
+    """
+    if not path.is_file():
+        raise InputError("reference of the senses", path, "a file of `realitygap reference`")
+    try:
+        values: Any = json.loads(path.read_text(encoding="utf-8"))
+        return SenseReference.model_validate(values)
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise InputError(str(path), str(error).splitlines()[0], "readable JSON") from None
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"]) or "content"
+        raise InputError(f"{path.name}: {where}", first["msg"], "a reference of senses") from None
+
+
+def beside(motion: Path) -> Path:
+    """Where the reference of the senses lies that belongs to one of motion."""
+    return motion.with_suffix(".senses.json")
+
+
+def shipped_sense_reference(model: str) -> SenseReference | None:
+    """The reference that comes with the package for a model of this name; None: there is none."""
+    found = (read_sense_reference(path) for path in sorted(DIRECTORY.glob("*.json")))
+    return next((reference for reference in found if reference.model == model), None)

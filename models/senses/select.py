@@ -1,0 +1,205 @@
+"""Forward selection of causes in the senses: few, each needed, each beyond health.
+
+At each turn every term of the swarm and of each robot is tried by one linear step; those that
+promise most are fitted. A term is taken if it takes more deviance off held-out blocks than any
+other and its value lies outside what healthy robots and swarms get for that very term.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from embedded_sim.model import FloatArray
+from models.senses.glance import Promise, promises
+from models.senses.health import away
+from models.senses.problem import SWARM, Fit, Problem, Term
+from models.senses.reference import SenseReference
+
+MOST_TERMS = 8
+MOST_FITS = 4
+"""Terms fitted at one turn."""
+SERIOUS = 0.3
+"""Of the most promising term's gain that earns a fit: one step underrates what is not linear."""
+NEARLY = 0.5
+"""Of either gate that a promise needs to earn a fit."""
+RIVAL_SHARE = 0.5
+"""Of the gain that a term needs to be looked at as a rival."""
+MARGIN = 8.0
+"""Held-out deviance by which a rival must be worse."""
+MARGIN_ERRORS = 1.6
+"""Standard errors, over blocks, of the same."""
+COMPANION = 0.04
+"""Of a stronger cause's gain that another of the same sensors needs to be named beside it: no
+model of a cause is exact."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Found:
+    """One term with what speaks for it."""
+
+    term: Term
+    coordinates: FloatArray
+    """(p,)."""
+    error: FloatArray
+    """(p,) standard errors."""
+    gain: float
+    share: float
+    """That gain relative to the deviance without it."""
+    distance: float
+    rivals: tuple[Term, ...] = ()
+    gains: tuple[tuple[str, float], ...] = ()
+    """What the terms tried at its turn took off."""
+
+    @property
+    def p_value(self) -> float:
+        """Of a healthy robot showing as much, normal tails."""
+        return float(2.0 * stats.norm.sf(self.distance))
+
+
+def choose(problem: Problem, reference: SenseReference) -> tuple[list[Found], Fit]:
+    """The terms that the readings need, and the fit with all of them."""
+    kept = problem.fit((), np.zeros(0))
+    tried: dict[Term, dict[Term, float]] = {}
+    while len(kept.terms) < MOST_TERMS:
+        fits = _one_more(problem, kept, reference)
+        if not fits:
+            break
+        gains = {t: float((kept.held_out - f.held_out).sum()) for t, f in fits.items()}
+        best = max(gains, key=lambda t: gains[t])
+        kept = fits[best]
+        tried[best] = gains
+        kept = _needed(problem, kept, reference, best)
+    found = [_evidence(problem, kept, t, reference, tried.get(t, {})) for t in kept.terms]
+    passed = [one for one in found if one is not None]
+    return [one for one in passed if not _mends(one, passed)], kept
+
+
+def _one_more(problem: Problem, kept: Fit, reference: SenseReference) -> dict[Term, Fit]:
+    """The terms that would be named beside the kept ones, fitted."""
+    several = len(problem.sight.robots) > 1
+    hopeful = [p for p in promises(problem, kept, private=several) if _hopeful(p, reference)]
+    if not hopeful:
+        return {}
+    least = SERIOUS * hopeful[0].gain
+    fits = {}
+    for promise in [p for p in hopeful if p.gain >= least][:MOST_FITS]:
+        fit = problem.fit((*kept.terms, promise.term), promise.start)
+        gain = float((kept.held_out - fit.held_out).sum())
+        if _beyond(fit, promise.term, gain, reference):
+            fits[promise.term] = fit
+    return fits
+
+
+def _hopeful(promise: Promise, reference: SenseReference) -> bool:
+    swarm = promise.term.robot == SWARM
+    gain, far = reference.gates(promise.term.key, swarm=swarm)
+    mean, sd = reference.spread(promise.term.key, promise.term.size, swarm=swarm)
+    distance = away(promise.coordinates, promise.error, mean, sd)
+    return promise.gain > NEARLY * gain and distance > NEARLY * far
+
+
+def _beyond(fit: Fit, term: Term, gain: float, reference: SenseReference) -> bool:
+    """Whether a fitted term passes both gates."""
+    least, far = reference.gates(term.key, swarm=term.robot == SWARM)
+    return gain > least and _distance(fit, term, reference) > far
+
+
+def _distance(fit: Fit, term: Term, reference: SenseReference) -> float:
+    part = fit.part(term)
+    error = np.sqrt(np.diag(fit.covariance)[part])
+    mean, sd = reference.spread(term.key, term.size, swarm=term.robot == SWARM)
+    value, sizes = fit.coordinates[part].copy(), error.copy()
+    for k, parameter in enumerate(term.cause.parameters):
+        # where the last number is a strength, the others only say of what
+        if term.cause.starts(np.zeros((0, 2))) and parameter is not term.cause.parameters[-1]:
+            sizes[k] = 0.0
+    return away(value, sizes, mean, sd)
+
+
+def _needed(problem: Problem, kept: Fit, reference: SenseReference, newest: Term) -> Fit:
+    """Without terms that the newest makes superfluous."""
+    for term in kept.terms:
+        if term == newest or len(kept.terms) < 2:
+            continue
+        less = without(problem, kept, term)
+        lost = float((less.held_out - kept.held_out).sum())
+        if not _beyond(kept, term, lost, reference):
+            kept = less
+    return kept
+
+
+def without(problem: Problem, kept: Fit, term: Term) -> Fit:
+    """The set refitted without a term."""
+    terms = tuple(t for t in kept.terms if t != term)
+    return problem.fit(terms, np.delete(kept.coordinates, np.r_[kept.part(term)]))
+
+
+def _evidence(
+    problem: Problem,
+    kept: Fit,
+    term: Term,
+    reference: SenseReference,
+    tried: dict[Term, float],
+) -> Found | None:
+    """What speaks for a kept term; None where it is how healthy robots differ."""
+    less = without(problem, kept, term)
+    gain = float((less.held_out - kept.held_out).sum())
+    if not _beyond(kept, term, gain, reference):
+        return None
+    part = kept.part(term)
+    concerned = np.unique(problem.sight.block[problem.rows(term)])
+    total = float(less.held_out[concerned].sum())
+    ranked = sorted(((t.key, g) for t, g in tried.items()), key=lambda kg: -kg[1])
+    return Found(
+        term=term,
+        coordinates=kept.coordinates[part],
+        error=np.sqrt(np.diag(kept.covariance)[part]),
+        gain=gain,
+        share=gain / max(total, 1e-9),
+        distance=_distance(kept, term, reference),
+        rivals=_rivals(problem, kept, less, term, tried),
+        gains=tuple(ranked),
+    )
+
+
+def _rivals(
+    problem: Problem, kept: Fit, less: Fit, term: Term, tried: dict[Term, float]
+) -> tuple[Term, ...]:
+    """Terms that could stand in a term's place without being clearly worse."""
+    own = tried.get(term, 0.0)
+    found = []
+    for other, gain in tried.items():
+        if other == term or other in kept.terms or gain < RIVAL_SHARE * own:
+            continue
+        start = np.concatenate([less.coordinates, _begin(problem, less, other)])
+        fit = problem.fit((*less.terms, other), start)
+        lost = fit.held_out - kept.held_out
+        error = float(np.sqrt(np.sum((lost - lost.mean()) ** 2)))
+        if float(lost.sum()) < max(MARGIN, MARGIN_ERRORS * error):
+            found.append(other)
+    return tuple(found)
+
+
+def _begin(problem: Problem, kept: Fit, term: Term) -> FloatArray:
+    """(p,) coordinates at which a term's own step from a hypothesis ends."""
+    for promise in promises(problem, kept):
+        if promise.term == term:
+            return promise.coordinates
+    return np.zeros(term.size)
+
+
+def _mends(one: Found, all_found: list[Found]) -> bool:
+    """Whether a term only mends what a stronger one of the same sensors leaves."""
+    for other in all_found:
+        shared = SWARM in (one.term.robot, other.term.robot) or one.term.robot == other.term.robot
+        alike = _kinds(one.term) & _kinds(other.term)
+        if other is not one and shared and alike and one.gain < COMPANION * other.gain:
+            return True
+    return False
+
+
+def _kinds(term: Term) -> set[str]:
+    return {"ps", "ls"} if term.cause.kind == "both" else {term.cause.kind}

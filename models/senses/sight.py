@@ -1,0 +1,167 @@
+"""A log cut for judging senses: where every robot stood, what it read, and what may be believed.
+
+Rows are sorted by robot, run and time. A reading counts only where another robot's tracked body
+cannot have anything to do with it: for infrared, none near the sensor's ray; for light, none near
+the line of sight to the lamp below the height of a robot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from embedded_sim import SENSORS, PointModel
+from embedded_sim.model import FloatArray
+from models.causes import Motion
+from models.log import MeasuredLog
+from models.noise import PoseNoise, pose_noise
+from models.replay import replay_log
+from models.senses.neighbours import Neighbours, around
+from models.sensing import averaged_poses, measured, scenarios
+
+Bools = npt.NDArray[np.bool_]
+Rows = npt.NDArray[np.int64]
+
+MOST_ROWS = 32_000
+"""Rows used of a log, evenly in time: more sharpen nothing that differences between healthy robots
+and errors of the captured tables leave visible."""
+BLOCK_SECONDS = 5.0
+"""s held out or resampled together."""
+NEAREST_LAMP = 0.12
+"""m from the lamp below which the captured table is too coarse: its nodes lie 5 degrees apart."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Sight:
+    """Rows of a log with what the senses told there."""
+
+    robots: tuple[int, ...]
+    begin: Rows
+    """(robots + 1,) first row of each robot, and the row count."""
+    time: FloatArray
+    """(rows,) s since the run began."""
+    scenario: npt.NDArray[np.int32]
+    """(rows,) lamp scenario, -1 where the log does not say."""
+    poses: FloatArray
+    """(rows, 3) m, m, rad: where the robot stood, its tracker's named faults taken off."""
+    spread: FloatArray
+    """(rows, 3) m, m, rad standard deviation of `poses`."""
+    read: FloatArray
+    """(rows, 16) counts, ps0..ps7 and ls0..ls7; NaN where not logged."""
+    free: Bools
+    """(rows, 16) nothing but wall and lamp can have caused the reading."""
+    block: Rows
+    """(rows,) counted through; a block is of one robot and run."""
+    neighbours: Neighbours
+
+    @property
+    def robot(self) -> Rows:
+        """(rows,) index into `robots`."""
+        return np.repeat(np.arange(len(self.robots)), np.diff(self.begin))
+
+    def rows_of(self, robot: int) -> slice:
+        """Rows of a robot, given by index."""
+        return slice(int(self.begin[robot]), int(self.begin[robot + 1]))
+
+
+def look(
+    log: MeasuredLog, model: PointModel, seen: Mapping[int, tuple[Motion, Motion]] | None = None
+) -> Sight:
+    """Cut a log.
+
+    Args:
+        log: Measured.
+        model: What the simulator believes; with sensor tables.
+        seen: By robot, its healthy motion and the one found: what the second has of marker offsets
+            beyond the first is taken off the measured poses.
+    """
+    replayed = replay_log(log, model.drive)
+    noise = pose_noise(log, replayed)
+    tracked = np.flatnonzero(log.tracked)
+    robot_of = log.frame["robot"].to_numpy(dtype=np.int64)
+    stride = max(1, -(-len(tracked) // MOST_ROWS))
+    tick = np.round((log.t - log.t.min()) / log.step).astype(np.int64)
+    rows = tracked[tick[tracked] % stride == 0]
+    rows = rows[np.argsort(robot_of[rows], kind="stable")]
+    poses, count = averaged_poses(log, replayed, rows)
+    ids, who = np.unique(robot_of[rows], return_inverse=True)
+    poses = _as_stood(poses, _velocity(log, model, rows, poses), robot_of[rows], seen or {})
+    scenario = np.ascontiguousarray(scenarios(log)[rows])
+    neighbours = around(log, rows)
+    free = np.hstack(
+        [
+            ~neighbours.in_ray(poses, model),
+            _lamp_in_sight(poses, scenario, neighbours, model),
+        ]
+    )
+    start = log.t[log.start[:-1]][log.segment][rows]
+    time = log.t[rows] - start
+    key = log.segment[rows] * 10**6 + (time / BLOCK_SECONDS).astype(np.int64)
+    return Sight(
+        robots=tuple(int(r) for r in ids),
+        begin=np.searchsorted(who, np.arange(len(ids) + 1)),
+        time=time,
+        scenario=scenario,
+        poses=np.ascontiguousarray(poses),
+        spread=_spread(noise, count),
+        read=measured(log, rows),
+        free=free & np.isfinite(measured(log, rows)),
+        block=np.unique(key, return_inverse=True)[1],
+        neighbours=neighbours,
+    )
+
+
+def _spread(noise: PoseNoise, count: Rows) -> FloatArray:
+    """(rows, 3) standard deviation of averaged poses."""
+    each = np.array([noise.position, noise.position, noise.heading])
+    return np.asarray(each / np.sqrt(np.maximum(count, 1))[:, None])
+
+
+def _velocity(log: MeasuredLog, model: PointModel, rows: Rows, poses: FloatArray) -> FloatArray:
+    """(rows, 3) m/s, m/s, rad/s of the wheels as commanded."""
+    drive = model.drive
+    rim = log.commands[rows] * np.array(drive.wheel_radius)
+    speed, turn = rim.mean(axis=1), (rim[:, 1] - rim[:, 0]) / drive.axle
+    return np.column_stack([speed * np.cos(poses[:, 2]), speed * np.sin(poses[:, 2]), turn])
+
+
+def _as_stood(
+    poses: FloatArray,
+    velocity: FloatArray,
+    robot: Rows,
+    seen: Mapping[int, tuple[Motion, Motion]],
+) -> FloatArray:
+    """Poses of the robots themselves, where their markers are known to sit askew or be late."""
+    result = poses.copy()
+    for name, (healthy, found) in seen.items():
+        mine = robot == name
+        yaw = poses[mine, 2] - (found.yaw_offset - healthy.yaw_offset)
+        ahead, left = (b - a for a, b in zip(healthy.lever, found.lever, strict=True))
+        c, s = np.cos(yaw), np.sin(yaw)
+        result[mine, 0] -= c * ahead - s * left
+        result[mine, 1] -= s * ahead + c * left
+        result[mine, 2] = yaw
+        result[mine] += (found.pose_delay - healthy.pose_delay) * velocity[mine]
+    return result
+
+
+def _lamp_in_sight(
+    poses: FloatArray,
+    scenario: npt.NDArray[np.int32],
+    neighbours: Neighbours,
+    model: PointModel,
+) -> Bools:
+    """(rows, 8) nothing between a sensor and the lamp, and the lamp not too near."""
+    free = np.repeat((scenario >= 0)[:, None], SENSORS, axis=1)
+    for index, lamp in enumerate(model.lamps):
+        mine = scenario == index
+        if lamp is None or not mine.any():
+            continue
+        x, y = lamp
+        near = np.hypot(poses[mine, 0] - x, poses[mine, 1] - y) < NEAREST_LAMP
+        shaded = neighbours.only(mine).before_lamp(poses[mine], lamp, model)
+        free[mine] &= ~(near[:, None] | shaded)
+    return free
