@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from embedded_sim.errors import InputError, nearest
 from reality.effects import catalogue
-from studies.blind.menu import MENU, STRANGE, Entry, Value
+from studies.blind.menu import MENU, STRANGE, Value
 from studies.blind.unlisted import UNLISTED
 from studies.experiment import Case, Controller, RunConfig
 
@@ -35,6 +35,8 @@ SAME_ROBOT = 0.5
 """Of the pairs in which one robot has both."""
 GOLDEN = 0.6180339887498949
 """Steps by it spread any number of sizes evenly."""
+PLASTIC = 0.7548776662466927
+"""Steps by it spread the effects' first sizes evenly, and independently of the former."""
 CONTROLLERS: tuple[Controller, ...] = ("coevolution", "search")
 CASES: tuple[Case, ...] = ("light-at-nest", "light-opposite-nest", "no-light")
 LIT = CASES[:2]
@@ -196,7 +198,8 @@ def _hide(
         entry = ENTRIES[name]
         swarm = bool(entry.swarm_bar) and may_swarm and random.random() < SWARM_SHARE
         bar = entry.swarm_bar if swarm else entry.bar
-        size = _size(config, entry, bar, drawn[name] + seen[name], kind in ("pair", "unlisted"))
+        strong = kind in ("pair", "unlisted")
+        size = _size(config, name, bar, drawn[name] + seen[name], strong)
         seen[name] += 1
         values = {
             key: float(value) if isinstance(value, int | float) else str(value)
@@ -208,14 +211,14 @@ def _hide(
     return tuple(hidden)
 
 
-def _size(config: BlindConfig, entry: Entry, bar: float, count: int, strong: bool) -> float:
+def _size(config: BlindConfig, name: str, bar: float, count: int, strong: bool) -> float:
     """The next size of an effect: around its bar, or clearly above it."""
     if config.at_bars or not bar:
         return bar
-    offset = (config.seed * GOLDEN + 0.5) % 1.0
-    share = (offset + count * GOLDEN) % 1.0
+    own = list(ENTRIES).index(name) * PLASTIC  # or all effects of a crowd had the same size
+    share = (own + (config.seed + count) * GOLDEN) % 1.0
     multiple = 1.5 * SPAN ** (0.5 * share) if strong else SPAN ** (2.0 * share - 1.0)
-    return float(min(bar * multiple, entry.largest))
+    return float(min(bar * multiple, ENTRIES[name].largest))
 
 
 def _trial(
