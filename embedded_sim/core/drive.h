@@ -8,8 +8,9 @@
 #include "small.h"
 
 /* Angle (rad) wheel `side` turns in h seconds towards a delivered command, advancing its speed.
- * Chain: dead zone, saturation, droop, first-order lag, acceleration limit. At the null values
- * every factor is 1 and every term 0, so the minimal model needs no branch of its own. */
+ * Chain: dead zone, saturation, droop, then a first-order lag whose change of speed is limited,
+ * solved exactly: cutting h in two changes nothing. At the null values every factor is 1, every
+ * term 0. */
 static inline double rg_wheel_advance(const rg_drive *d, int side, double *speed, double command,
                                       double h, double time) {
     const double magnitude = fabs(command) < d->dead_zone[side] ? 0.0 : fabs(command);
@@ -20,15 +21,23 @@ static inline double rg_wheel_advance(const rg_drive *d, int side, double *speed
     double end = target;
     double turned = target * h;
     if (d->time_constant > 0.0) {
-        const double left = exp(-h / d->time_constant);
-        end = target - step * left;
-        turned = target * h - step * d->time_constant * (1.0 - left);
-    }
-    const double most = d->acceleration[side] * h;
-    if (fabs(end - start) > most) {
-        end = start + copysign(most, step);
+        /* while the lag asks for more than the limit gives, speed changes at the limit */
+        const double ramp = rg_min(fabs(step) / d->acceleration[side] - d->time_constant, h);
+        double rest = h, away = step;
+        turned = 0.0;
+        if (ramp > 0.0) {
+            const double change = copysign(d->acceleration[side] * ramp, step);
+            turned = (start + 0.5 * change) * ramp;
+            away = step - change;
+            rest = h - ramp;
+        }
+        const double left = exp(-rest / d->time_constant);
+        end = target - away * left;
+        turned += target * rest - away * d->time_constant * (1.0 - left);
+    } else if (fabs(step) > d->acceleration[side] * h) {
+        end = start + copysign(d->acceleration[side] * h, step);
         turned = 0.5 * (start + end) * h;
-    } else if (d->time_constant <= 0.0) {
+    } else {
         turned = target * h - 0.5 * step * fabs(step) / d->acceleration[side];
     }
     *speed = end;
