@@ -30,6 +30,8 @@ def course(gaps: pd.DataFrame) -> Figure:
     for axes, lower, condition in zip(panels[0], panels[1], COEVOLVED, strict=True):
         rows = long[long["condition"] == condition.name]
         means = rows.groupby(["index", "generation", "side"])["fitness"].mean().reset_index()
+        runs_in = means.groupby("generation")["index"].transform("nunique")
+        means = means[runs_in == runs_in.max()]  # the last whole generation is a few robots' only
         if len(means):
             sns.lineplot(
                 data=means, x="generation", y="fitness", hue="side", palette=COLORS, ax=axes,

@@ -9,6 +9,7 @@ import matplotlib as mpl
 import pandas as pd
 import pytest
 
+from studies.paper.claims import CLAIMS
 from studies.paper.conditions import PAPER
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -36,3 +37,18 @@ def test_five_lines_of_pandas_rebuild_figure_6(
         mpl.pyplot.close("all")
     assert bars[:8] == [11.0] * 8
     assert bars[8:16] == [5.0] * 8
+
+
+def test_the_committed_claims_are_those_of_the_code_and_none_that_failed_is_passed_over() -> None:
+    claims = pd.read_csv(DOCS / "paper-study" / "claims.csv")
+    assert claims["claim"].tolist() == [claim.key for claim in CLAIMS]
+    assert claims["text"].tolist() == [claim.text for claim in CLAIMS]
+    told = (DOCS / "paper-study" / "README.md").read_text(encoding="utf-8")
+    for key in claims.loc[claims["verdict"] == "not reproduced", "claim"]:
+        assert f"`{key}`" in told
+
+
+def test_the_committed_study_has_eighty_runs_of_an_hour() -> None:
+    runs = pd.read_parquet(DOCS / "paper-study" / "study.parquet")
+    assert len(runs) == 8 * 10
+    assert (runs["minutes"] == 60.0).all()
