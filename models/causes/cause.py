@@ -36,6 +36,9 @@ class Parameter:
     step: float
     """Coordinate's step for finite differences: a small but clearly visible change."""
     link: Link = "add"
+    sign: int = 0
+    """Side of the null on which the cause lies: 1 above, -1 below, 0 either. On the other side it
+    is fitted, to be fair to the null, but never named."""
     doubt: float = 0.0
     """Relative standard error of what the point model's term is worth in the physical unit."""
 

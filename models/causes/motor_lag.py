@@ -11,10 +11,9 @@ from embedded_sim.model import FloatArray
 from models.causes.cause import Cause, Parameter
 from models.causes.motion import Motion
 
-ORDER = 1.15
-"""Two lags in a row look like one whose ORDER-th power is the sum of theirs, where a latency is
-free to take part of the delay: 2 if it takes all, 1 if none. Measured with 25 and 50 ms behind the
-nominal world's motors."""
+ORDER = 1.06
+"""Two lags in a row look like one whose ORDER-th power is the sum of theirs: 1 where they just add.
+Measured with 25 and 50 ms behind the nominal world's motors."""
 STARTS = (0.02, 0.1)
 """s to start from: at the null a lag hides behind the motors' own."""
 
@@ -37,7 +36,14 @@ CAUSE = Cause(
     meaning="the motors answer as a first-order lag: speed approaches the command gradually",
     parameters=(
         Parameter(
-            name="time_constant", unit="s", null=0.0, low=-0.1, high=1.0, step=2e-3, doubt=0.04
+            name="time_constant",
+            unit="s",
+            null=0.0,
+            low=-0.1,
+            high=1.0,
+            step=2e-3,
+            sign=1,
+            doubt=0.04,
         ),
     ),
     change=_change,

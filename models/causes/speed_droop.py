@@ -17,7 +17,9 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
 CAUSE = Cause(
     name="speed_droop",
     meaning="the motors lose speed as time passes, as on a battery that empties",
-    parameters=(Parameter(name="rate", unit="1/s", null=0.0, low=-0.01, high=0.05, step=1e-5),),
+    parameters=(
+        Parameter(name="rate", unit="1/s", null=0.0, low=-0.01, high=0.05, step=1e-5, sign=1),
+    ),
     change=_change,
     confusable_with=("wheel_radius_scale",),
     experiment="a longer run",

@@ -50,6 +50,7 @@ CAUSE = Cause(
             high=3.0 * TORQUE,
             step=5e-2,
             link="factor",
+            sign=-1,
             doubt=0.04,
         ),
     ),

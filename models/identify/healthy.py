@@ -19,11 +19,7 @@ from models.identify.structure import follows, pool
 from models.identify.tracks import Tracks
 from models.reference import Reference, Spread, Structure
 
-STARTS = (
-    (0.0, 0.0, -0.006, 0.012, -0.2, 0.0),
-    (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-    (0.0, 0.0, 0.02, 0.05, -0.5, 0.0),
-)
+STARTS = ((0.0, 0.0, -0.005, 0.009, -0.2, 0.0), (0.0, 0.0, 0.02, 0.05, -0.5, 0.0))
 """Coordinates from which the inherent motion is fitted: motors of several kinds."""
 LEAST_GAIN = 12.0
 """Held-out deviance below which a distance is chance."""

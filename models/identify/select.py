@@ -18,6 +18,7 @@ from models.identify.candidates import starts
 from models.identify.fit import Fit, Problem, Term
 from models.identify.measure import distance, jump
 from models.identify.screen import glance
+from models.identify.value import bracket
 from models.reference import Reference
 
 MOST_TERMS = 4
@@ -165,6 +166,9 @@ class _Search:
         part = kept.part(term)
         coordinates = kept.coordinates[:, part]
         covariance = kept.covariance[:, part, part]
+        signs = [p.sign for p in term.cause.parameters]
+        if (np.array(signs) * coordinates[0] < 0.0).any():
+            return None
         jumped = np.zeros(1) if term.cause.smooth else jump(self.problem, without, kept)
         away = self.distance(term, coordinates, covariance, jumped)
         if away < self.reference.gate(term.key, swarm=self.swarm) or gain < self.least_gain:
@@ -221,8 +225,15 @@ class _Search:
         begin = starts(self.problem, term, kept.coordinates)
         if not begin:
             return None
+        terms = (*kept.terms, term)
         try:
-            return self.problem.fit((*kept.terms, term), begin)
+            fit = self.problem.fit(terms, begin)
+            if term.cause.smooth:
+                return fit
+            at = fit.part(term).start
+            here = fit.coordinates.copy()
+            here[0, at] = bracket(self.problem, terms, here, at)[0]
+            return self.problem.fit(terms, [here])
         except Diverged:
             return None
 

@@ -145,7 +145,7 @@ def test_what_the_whole_swarm_has_is_said_of_all() -> None:
 def test_a_fault_outside_the_catalogue_is_called_unexplained() -> None:
     frame = table(12, {})
     # the floor drags along one axis: speed follows the way a robot faces
-    frame.loc[frame["robot"] == 1, "x"] *= 1.02
+    frame.loc[frame["robot"] == 1, "x"] *= 1.06
     found = diagnosed(frame)
     assert found.verdict == "unexplained"
     assert found.unexplained[0].robots == (1,)
