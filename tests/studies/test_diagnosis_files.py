@@ -1,0 +1,70 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from embedded_sim import Drive, InputError
+from models.log import write_table
+from models.modelfile import read_model_file
+from studies.diagnosis_files import Request, diagnose_files, read_logs, to_toml
+from studies.reference_files import ReferenceRequest, write_reference_of
+from tests.models.small import driven_log
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("log") / "log.csv"
+    wide = Drive(wheel_radius=(0.0202, 0.0208))
+    frame = driven_log(3, robots=1, rows=700, drive=wide, position_noise=5e-4, heading_noise=5e-3)
+    write_table(frame, path)
+    return path
+
+
+def test_a_diagnosis_is_a_json_a_model_and_a_page(log: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    model = tmp_path / "open.toml"
+    robot = "wheel_radius = 0.0205\naxle = 0.053\nbody_radius = 0.035\nwheel_speed_max = 6.28\n"
+    model.write_text(f'name = "a robot in the open"\n[robot]\n{robot}')
+    found = diagnose_files(Request(logs=(log,), model=str(model)), out)
+    content = json.loads((out / "diagnosis.json").read_text())
+    assert content["schema"] == 1
+    assert content["verdict"] == found.verdict
+    assert "wheel_radius_mismatch" in [cause["name"] for cause in content["causes"]]
+    extended = read_model_file(out / "extended.toml")
+    assert extended.extension is not None
+    assert len(extended.extension.log) == 64
+    page = (out / "report.html").read_text()
+    assert "wheel_radius_mismatch" in page
+    assert "http" not in page.replace("http-equiv", "")
+
+
+def test_what_is_there_is_kept_unless_forced(log: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="--out"):
+        diagnose_files(Request(logs=(log,)), tmp_path)
+
+
+def test_two_logs_are_one_log_of_two_runs(log: Path) -> None:
+    both = read_logs((log, log), read_model_file("epuck"))
+    assert both.segments["run"].nunique() == 2
+    assert both.segments["robot"].nunique() == 1
+
+
+def test_a_missing_reference_is_refused(log: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="--reference"):
+        diagnose_files(Request(logs=(log,), reference="nowhere.json"), tmp_path / "out")
+    with pytest.raises(InputError, match="LOG"):
+        write_reference_of(ReferenceRequest(), tmp_path / "r.json")
+
+
+def test_toml_that_is_written_is_read_back() -> None:
+    import tomllib
+
+    content = {
+        "name": 'a "b"',
+        "robot": {"x": 0.1, "n": 3},
+        "lamps": {"at": {"x": 1.0}},
+        "extension": {"causes": [{"name": "c", "robots": [1, 2], "p": {"v": {"value": 1e-9}}}]},
+    }
+    assert tomllib.loads(to_toml(content)) == content
