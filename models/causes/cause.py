@@ -40,7 +40,8 @@ class Parameter:
     """Side of the null on which the cause lies: 1 above, -1 below, 0 either. On the other side it
     is fitted, to be fair to the null, but never named."""
     doubt: float = 0.0
-    """Relative standard error of what the point model's term is worth in the physical unit."""
+    """Standard error of what the point model's term is worth in the physical unit, relative to the
+    coordinate: a rigid body on a floor is not exactly a point on two wheels."""
 
     @property
     def zero(self) -> float:

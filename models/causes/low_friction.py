@@ -55,7 +55,7 @@ CAUSE = Cause(
             step=5e-2,
             link="factor",
             sign=-1,
-            doubt=0.08,
+            doubt=0.045,
         ),
     ),
     change=_change,

@@ -18,8 +18,8 @@ CAUSE = Cause(
     name="tracker_offset",
     meaning="the tracker's markers are mounted off the middle of the axle",
     parameters=(
-        Parameter(name="x", unit="m", null=0.0, low=-0.5, high=0.5, step=5e-4),
-        Parameter(name="y", unit="m", null=0.0, low=-0.5, high=0.5, step=5e-4),
+        Parameter(name="x", unit="m", null=0.0, low=-0.5, high=0.5, step=5e-4, doubt=0.03),
+        Parameter(name="y", unit="m", null=0.0, low=-0.5, high=0.5, step=5e-4, doubt=0.03),
     ),
     change=_change,
     confusable_with=("wheel_separation",),

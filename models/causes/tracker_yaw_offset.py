@@ -16,7 +16,9 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
 CAUSE = Cause(
     name="tracker_yaw_offset",
     meaning="the tracker's markers are mounted rotated about the vertical",
-    parameters=(Parameter(name="angle", unit="rad", null=0.0, low=-3.2, high=3.2, step=2e-3),),
+    parameters=(
+        Parameter(name="angle", unit="rad", null=0.0, low=-3.2, high=3.2, step=2e-3, doubt=0.03),
+    ),
     change=_change,
     confusable_with=("wheel_radius_mismatch", "ir_rotation"),
     experiment="straights",

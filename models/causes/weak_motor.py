@@ -51,7 +51,7 @@ CAUSE = Cause(
             step=5e-2,
             link="factor",
             sign=-1,
-            doubt=0.04,
+            doubt=0.05,
         ),
     ),
     change=_change,

@@ -21,7 +21,9 @@ CAUSE = Cause(
     name="wheel_radius_mismatch",
     meaning="the two wheels differ in radius: the robot bends away from the larger one",
     parameters=(
-        Parameter(name="ratio", unit="right/left", null=1.0, low=0.5, high=2.0, step=1e-3),
+        Parameter(
+            name="ratio", unit="right/left", null=1.0, low=0.5, high=2.0, step=1e-3, doubt=0.03
+        ),
     ),
     change=_change,
     confusable_with=("tracker_yaw_offset", "wheel_separation"),

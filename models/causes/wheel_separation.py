@@ -17,7 +17,16 @@ CAUSE = Cause(
     name="wheel_separation",
     meaning="the wheels touch the floor further apart or nearer than the model has them",
     parameters=(
-        Parameter(name="scale", unit="1", null=1.0, low=0.3, high=3.0, step=1e-3, link="factor"),
+        Parameter(
+            name="scale",
+            unit="1",
+            null=1.0,
+            low=0.3,
+            high=3.0,
+            step=1e-3,
+            link="factor",
+            doubt=0.04,
+        ),
     ),
     change=_change,
     confusable_with=("wheel_radius_scale", "wheel_radius_mismatch"),

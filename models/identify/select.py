@@ -37,7 +37,7 @@ FAMILY = 0.05
 """Of the whole set's gain that a term needs beside a stronger one of its family."""
 ANY = 0.01
 """Of the whole set's gain that any term needs: no model of a cause is exact."""
-CLEARLY = 0.35
+CLEARLY = 0.2
 """Of a term's gain that a rival may not miss, however few blocks it is lost in."""
 RIVAL_SHARE = 0.3
 """Of the gain that a term needs to be looked at as a rival."""

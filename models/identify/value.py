@@ -67,8 +67,7 @@ def values(
         )
     found = []
     for p, u, h in zip(term.cause.parameters, coordinates - mean, half, strict=True):
-        rough = p.doubt if p.link == "factor" else p.doubt * abs(u)
-        h = float(np.hypot(h, NOMINAL * rough))
+        h = float(np.hypot(h, NOMINAL * p.doubt * abs(u)))
         low, value, high = (p.value(float(np.clip(v, *p.bounds))) for v in (u - h, u, u + h))
         found.append(Value(p.name, value, low, high, p.unit))
     return tuple(found)
