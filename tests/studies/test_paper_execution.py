@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -34,7 +35,7 @@ def _execute(out: Path, workers: Workers, study: StudyConfig = TINY) -> None:
         execute(directory, workers, quiet=True)
 
 
-def _until(condition: Callable[[], object], seconds: float = 30.0) -> None:
+def _until(condition: Callable[[], object], seconds: float = 300.0) -> None:
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, "waited in vain"
@@ -98,10 +99,12 @@ def test_an_interrupted_study_stops_its_workers_keeps_what_is_whole_and_exits_13
         [*CLI, *WORDS[:2], "--minutes", "2", *WORDS[4:], "--jobs", "1", "--quiet", "--out", out],
         stderr=subprocess.PIPE,
     )
-    _until(lambda: (out / "runs").is_dir() and len(list((out / "runs").glob("[!.]*"))) >= 1)
-    workers = _children(study.pid)
-    study.send_signal(signal.SIGINT)
-    _, said = study.communicate(timeout=30)
+    try:
+        _until(lambda: (out / "runs").is_dir() and len(list((out / "runs").glob("[!.]*"))) >= 1)
+        workers = _children(study.pid)
+    finally:
+        study.send_signal(signal.SIGINT)
+        _, said = study.communicate(timeout=300)
     assert study.returncode == 130
     assert b"Traceback" not in said
     _until(lambda: not _alive(workers))
@@ -132,7 +135,9 @@ def test_a_killed_worker_is_replaced_and_its_run_repeated(
         directory.keep = keep_and_kill  # type: ignore[method-assign]
         execute(directory, Workers(1), quiet=False)
     assert killed
-    assert "a worker died: starting" in capfd.readouterr().err
+    said = capfd.readouterr().err
+    assert "a worker died: starting" in said
+    assert re.search(r"8 of 8 runs, [\d.]+ simulated hours per minute, 0 s left", said)
     assert results(out) == results(local)
 
 
@@ -208,8 +213,8 @@ def cluster() -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
     scheduler = _dask("scheduler", "--port", str(port))
     workers = [_dask("worker", address, "--nthreads", "1", "--no-nanny") for _ in range(2)]
     try:
-        with Client(address, timeout=30, set_as_default=False) as client:
-            client.wait_for_workers(2, timeout=30)
+        with Client(address, timeout=300, set_as_default=False) as client:
+            client.wait_for_workers(2, timeout=300)
         yield address, workers
     finally:
         for process in (*workers, scheduler):

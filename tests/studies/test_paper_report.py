@@ -103,7 +103,7 @@ def _open(page: Path, scratch: Path) -> tuple[str, list[str], list[str]]:
         ],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=300,
         check=True,
     )
     events = [event.get("params", {}) for event in json.loads(log.read_text())["events"]]
