@@ -19,16 +19,19 @@ CORE_H := $(wildcard embedded_sim/core/*.h)
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint bench asan blind clean
+.PHONY: help demo test slow lint bench asan blind clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-7s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-demo: $(STAMP) ## the whole story in a few minutes; report in out/demo
+demo: $(STAMP) ## ten robots co-evolve for ten minutes; the picture is out/demo/demo.png
 	$(BIN)/realitygap demo --out out/demo --force
 
 test: $(STAMP) ## the tests, in parallel, without the slow and the blind ones
 	$(BIN)/python -m pytest -n auto tests
+
+slow: $(STAMP) ## the long batteries that `make test` leaves out
+	$(BIN)/python -m pytest -n auto -m slow tests
 
 lint: $(STAMP) ## style, types, import rules, C formatting
 	$(BIN)/ruff check .

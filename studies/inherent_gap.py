@@ -177,7 +177,7 @@ def main() -> None:
     file = read_model_file()
     rows = [measure(seed, words.minutes, file) for seed in range(words.seeds)]
     table = pd.DataFrame(rows).set_index("seed")
-    with whole_directory(words.out, force=True) as out:
+    with whole_directory(words.out, force=True, holds=("seeds.csv",)) as out:
         table.to_csv(out / "seeds.csv")
         errors: pd.Series[float] = table.sem()
         means = table.mean()

@@ -11,69 +11,97 @@ from pathlib import Path
 
 from embedded_sim.errors import InputError
 
+OUTPUTS = ("run.json", "gap.json", "diagnosis.json", "gain.json", "study.json", "blind.json")
+"""A directory that `--force` may replace holds one of these, or nothing."""
 
-def check_free(out: Path, *, force: bool) -> None:
+
+def check_free(out: Path, *, force: bool, holds: tuple[str, ...] = OUTPUTS) -> None:
     """Refuse an existing or unwritable output before any work is done.
 
+    Args:
+        out: Where the output goes.
+        force: Whether what is there may be replaced.
+        holds: A directory is replaced only if it holds one of these files: nobody's thesis, and
+            not the log that is being read.
+
     Raises:
-        InputError: `out` exists and `force` is false, or its parent cannot be written.
+        InputError: `out` exists and may not be replaced, or its parent cannot be written.
     """
-    if out.exists() and not force:
-        raise InputError("--out", out, "a path that does not exist yet (or --force)")
-    parent = out.absolute().parent
-    existing = next(p for p in (parent, *parent.parents) if p.exists())
+    try:
+        if out.exists() and not force:
+            raise InputError("--out", out, "a path that does not exist yet (or --force)")
+        if out.is_dir():
+            _check_replaceable(out, holds)
+        parent = out.absolute().parent
+        existing = next(p for p in (parent, *parent.parents) if p.exists())
+    except OSError as error:
+        raise InputError("--out", out, f"a path that can be made ({error.strerror})") from None
     if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
         raise InputError("--out", out, f"a path in a writable directory ({existing} is not)")
 
 
-def _parent(out: Path) -> Path:
-    """The directory an output goes into, made if it can be."""
-    parent = out.absolute().parent
-    try:
-        parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        expected = f"a path in a writable directory ({error.strerror})"
-        raise InputError("--out", out, expected) from None
-    return parent
+def _check_replaceable(out: Path, holds: tuple[str, ...]) -> None:
+    if Path.cwd().is_relative_to(out.resolve()):
+        raise InputError("--out", out, "a directory one is not in")
+    names = {path.name for path in out.iterdir()}
+    if names and not names & set(holds):
+        raise InputError("--out", out, f"a directory to replace that holds {' or '.join(holds)}")
 
 
 @contextmanager
-def whole_directory(out: Path, *, force: bool = False) -> Iterator[Path]:
+def _beside(out: Path) -> Iterator[Path]:
+    """A hidden directory beside `out`, gone afterwards: what is in it can be renamed at once."""
+    parent = out.absolute().parent
+    try:
+        parent.mkdir(parents=True, exist_ok=True)
+        scratch = Path(tempfile.mkdtemp(prefix=f".{out.name[:100]}.part-", dir=parent))
+    except OSError as error:
+        expected = f"a path in a writable directory ({error.strerror})"
+        raise InputError("--out", out, expected) from None
+    try:
+        yield scratch
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _settle(path: Path) -> None:
+    """Have a file, or a directory and the files in it, on the disk before its name says so."""
+    for part in [*path.iterdir(), path] if path.is_dir() else [path]:
+        handle = os.open(part, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+@contextmanager
+def whole_directory(
+    out: Path, *, force: bool = False, holds: tuple[str, ...] = OUTPUTS
+) -> Iterator[Path]:
     """A temporary directory that becomes `out` if the block ends well, and vanishes if not.
 
-    The temporary name starts with a dot and lies beside `out`, so that renaming is atomic. A killed
-    process leaves only that name behind.
+    It lies in a hidden directory beside `out`, so that renaming is atomic. A killed process leaves
+    only that one behind. What `force` may replace: see `check_free`.
     """
-    check_free(out, force=force)
-    part = Path(tempfile.mkdtemp(prefix=f".{out.name}.part-", dir=_parent(out)))
-    try:
-        part.chmod(0o755)
+    check_free(out, force=force, holds=holds)
+    with _beside(out) as scratch:
+        part = scratch / "new"
+        part.mkdir()
         yield part
+        _settle(part)
         if out.exists():
-            old = Path(tempfile.mkdtemp(prefix=f".{out.name}.old-", dir=out.absolute().parent))
-            out.replace(old / "was")
-            part.replace(out)
-            shutil.rmtree(old)
-        else:
-            part.replace(out)
-    finally:
-        shutil.rmtree(part, ignore_errors=True)
+            out.replace(scratch / "old")
+        part.replace(out)
 
 
 @contextmanager
 def whole_file(out: Path, *, force: bool = False) -> Iterator[Path]:
     """The same for one file; the block writes to the path it is given."""
-    check_free(out, force=force)
     if out.is_dir():
         raise InputError("--out", out, "a file, not a directory")
-    handle, name = tempfile.mkstemp(
-        prefix=f".{out.stem}.part-", suffix=out.suffix, dir=_parent(out)
-    )
-    os.close(handle)
-    part = Path(name)
-    try:
-        part.chmod(0o644)
+    check_free(out, force=force)
+    with _beside(out) as scratch:
+        part = scratch / out.name
         yield part
+        _settle(part)
         part.replace(out)
-    finally:
-        part.unlink(missing_ok=True)

@@ -14,7 +14,8 @@
 static inline double rg_wheel_advance(const rg_drive *d, int side, double *speed, double command,
                                       double h, double time) {
     const double magnitude = fabs(command) < d->dead_zone[side] ? 0.0 : fabs(command);
-    const double reached = rg_min(magnitude, d->speed_limit[side]) * (1.0 - d->droop_rate * time);
+    const double drooped = rg_max(1.0 - d->droop_rate * time, 0.0);
+    const double reached = rg_min(magnitude, d->speed_limit[side]) * drooped;
     const double target = copysign(reached, command);
     const double start = *speed;
     const double step = target - start;

@@ -31,7 +31,7 @@ def demo(
     from studies.settings import run_config
 
     config = run_config(case="light-at-nest", minutes=MINUTES, seed=seed)
-    with whole_directory(out, force=force) as part:
+    with whole_directory(out, force=force, holds=("run.json",)) as part:
         with Progress("ten robots co-evolve", config.steps, quiet) as shown:
             totals = simulate(config, (), part, shown.reach)
         draw_run(part, config.case, part / "demo.png")

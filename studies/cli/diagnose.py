@@ -37,7 +37,7 @@ def diagnose(
     from studies.diagnosis_words import verdict_sentence
     from studies.output import check_free
 
-    check_free(out, force=force)
+    check_free(out, force=force, holds=("diagnosis.json",))
     request = Request(logs=tuple(log), model=model, reference=reference, seed=seed)
     found = diagnose_files(request, out, force=force)
     if not quiet:

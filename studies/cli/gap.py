@@ -36,18 +36,18 @@ def gap(
     from studies.gap_report import write_coevolution, write_gap
     from studies.output import check_free, whole_directory
 
-    check_free(out, force=force)
+    check_free(out, force=force, holds=("gap.json",))
     file = read_model_file(model)
     point = load_model(model, sensors="declared")
     generations = find_generations(log)
     evolved = coevolution_gap(read_generations(generations)) if generations else None
     if evolved is not None and not (log / SAMPLES).exists():
-        with whole_directory(out, force=force) as part:
+        with whole_directory(out, force=force, holds=("gap.json",)) as part:
             report = write_coevolution(evolved, part)
     else:
         measured = read_log(log, drive=point.drive, fastest=file.robot.wheel_speed_max)
         found = measure_gap(measured, file, point, seed=seed)
-        with whole_directory(out, force=force) as part:
+        with whole_directory(out, force=force, holds=("gap.json",)) as part:
             report = write_gap(measured, found, part, name=file.name, coevolution=evolved)
     if not quiet:
         for line in report["summary"]:

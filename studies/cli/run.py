@@ -69,7 +69,10 @@ def run(
         genome=genome,
         samples=not no_samples,
     )
-    with whole_directory(out, force=force) as part, Progress("run", config.steps, quiet) as shown:
+    with (
+        whole_directory(out, force=force, holds=("run.json",)) as part,
+        Progress("run", config.steps, quiet) as shown,
+    ):
         totals = simulate(config, tuple(effect or ()), part, shown.reach)
     if not quiet:
         speed = config.minutes * 60.0 / totals["wall_seconds"]

@@ -75,24 +75,35 @@ def retrieval(tables: StudyTables) -> Figure:
     axes = figure.subplots()
     names = [condition.name for condition in COEVOLVED]
     half = f"{tables.minutes / 2.0:g} min"
-    rows = tables.runs[tables.runs["condition"].isin(names)].melt(
-        id_vars=["condition", "run"],
-        value_vars=["retrieval_first", "retrieval_second"],
-        var_name="half",
-        value_name="seconds",
+    rows = (
+        tables.runs[tables.runs["condition"].isin(names)]
+        .melt(
+            id_vars=["condition", "run"],
+            value_vars=["retrieval_first", "retrieval_second"],
+            var_name="half",
+            value_name="seconds",
+        )
+        .dropna(subset=["seconds"])
     )
     rows["half"] = rows["half"].map(
         {"retrieval_first": f"T < {half}", "retrieval_second": f"T > {half}"}
     )
     common = {"data": rows, "x": "condition", "y": "seconds", "hue": "half", "order": names}
     palette = [DARK, LIGHT]
-    sns.boxplot(**common, ax=axes, palette=palette, width=0.6, showfliers=False)
-    sns.stripplot(
-        **common, ax=axes, palette=[POINT, POINT], dodge=True, size=3, legend=False, jitter=False
-    )
-    _label(axes, names)
+    if len(rows):  # in a study so short that nothing was brought home there is nothing to draw
+        sns.boxplot(**common, ax=axes, palette=palette, width=0.6, showfliers=False)
+        sns.stripplot(
+            **common,
+            ax=axes,
+            palette=[POINT, POINT],
+            dodge=True,
+            size=3,
+            legend=False,
+            jitter=False,
+        )
+        _label(axes, names)
+        axes.legend(title=None, frameon=True)
     axes.set(xlabel="", ylabel="mean time from pick-up to nest (s)")
-    axes.legend(title=None, frameon=True)
     axes.set_title("Fig. 7: retrieval time, a point per run")
     return figure
 

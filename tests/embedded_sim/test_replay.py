@@ -93,19 +93,26 @@ def test_saturation_dead_zone_and_droop_do_what_their_names_say() -> None:
 
 
 @given(st.lists(st.tuples(speeds, speeds), min_size=2, max_size=30))
-def test_null_terms_leave_the_minimal_model_bit_for_bit(
+def test_the_null_is_the_minimal_model_to_the_last_bits(
     commands: list[tuple[float, float]],
 ) -> None:
-    minimal = one_segment(np.array(commands), Drive())
-    null = Drive(
-        latency=0.0,
-        time_constant=0.0,
-        acceleration=(math.inf, math.inf),
-        speed_limit=(math.inf, math.inf),
-        dead_zone=(0.0, 0.0),
-        droop_rate=0.0,
-    )
-    assert (one_segment(np.array(commands), null) == minimal).all()
+    """Against two-wheel kinematics written down here, without any of the terms."""
+    drive, step = Drive(), 0.04
+    pose, expected = np.zeros(3), [np.zeros(3)]
+    for left, right in commands[:-1]:
+        forward = 0.5 * 0.0205 * (left + right) * step
+        turn = 0.0205 * (right - left) * step / drive.axle
+        chord = forward * np.sinc(0.5 * turn / np.pi)
+        middle = pose[2] + 0.5 * turn
+        pose = pose + np.array([chord * np.cos(middle), chord * np.sin(middle), turn])
+        expected.append(pose)
+    assert one_segment(np.array(commands), drive) == pytest.approx(np.array(expected), abs=1e-14)
+
+
+def test_wheels_stand_still_when_the_battery_is_empty() -> None:
+    path = one_segment(np.full((501, 2), 5.0), Drive(droop_rate=0.1))
+    assert np.diff(path[:, 0]).min() >= 0.0
+    assert np.diff(path[260:, 0]).max() == 0.0  # from 10 s on
 
 
 def test_segments_are_replayed_apart() -> None:

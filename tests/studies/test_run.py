@@ -92,15 +92,22 @@ def test_robots_start_asynchronously_and_generations_last_60_s(finished: Path) -
 
 
 def test_nothing_that_a_diagnosis_reads_tells_what_was_hidden(tmp_path: Path) -> None:
-    hidden = run(tmp_path / "a", ("wheel_radius_mismatch:ratio=1.2,robot=1",))
+    hidden = run(tmp_path / "a", ("wheel_radius_mismatch:ratio=1.23456789,robot=1",))
     for path in hidden.iterdir():
         if path.name != "truth.json":
             content = path.read_bytes()
+            if path.suffix == ".parquet":
+                table = pq.read_table(path)
+                words = [c for c in table.schema if "string" in str(c.type)]
+                said = {str(v) for c in words for v in set(table[c.name].to_pylist())}
+                content += repr((table.schema.metadata, said)).encode()
             assert b"mismatch" not in content
-            assert b"1.2" not in content or path.suffix == ".parquet"
+            assert b"1.23456789" not in content
     truth = json.loads((hidden / "truth.json").read_text())
     assert truth == {
-        "effects": [{"name": "wheel_radius_mismatch", "robots": [1], "parameters": {"ratio": 1.2}}]
+        "effects": [
+            {"name": "wheel_radius_mismatch", "robots": [1], "parameters": {"ratio": 1.23456789}}
+        ]
     }
 
 
@@ -187,15 +194,16 @@ def test_existing_and_unwritable_output_is_refused(tmp_path: Path) -> None:
         done = realitygap("run", "--minutes", "0.1", "--out", tmp_path / out)
         assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1)
     assert (tmp_path / "there" / "keep").read_text() == "me"
-    assert realitygap("run", "--out", "/proc/nothing/here").returncode == 2
+    for out in ("/proc/nothing/here", "/proc/nothing", tmp_path / ("long" * 80)):
+        done = realitygap("run", "--minutes", "0.1", "--out", out)
+        assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1)
 
 
 def test_force_replaces_what_is_there(tmp_path: Path) -> None:
-    (tmp_path / "there").mkdir()
+    words = ("run", "--minutes", "0.05", "--robots", "2", "--out", tmp_path / "there")
+    assert realitygap(*words).returncode == 0
     (tmp_path / "there" / "old").write_text("")
-    done = realitygap(
-        "run", "--minutes", "0.05", "--robots", "2", "--out", tmp_path / "there", "--force"
-    )
+    done = realitygap(*words, "--force")
     assert done.returncode == 0, done.stderr
     assert {path.name for path in (tmp_path / "there").iterdir()} == {
         *TABLES,
@@ -203,6 +211,23 @@ def test_force_replaces_what_is_there(tmp_path: Path) -> None:
         "truth.json",
     }
     assert [path.name for path in tmp_path.iterdir()] == ["there"]
+
+
+def test_force_never_replaces_what_is_not_a_run(tmp_path: Path) -> None:
+    (tmp_path / "home").mkdir()
+    (tmp_path / "home" / "thesis.tex").write_text("all of it")
+    for out in ("home", "."):
+        words = ("run", "--minutes", "0.05", "--out", out, "--force")
+        done = realitygap(*words, cwd=tmp_path)
+        assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1)
+    assert (tmp_path / "home" / "thesis.tex").read_text() == "all of it"
+
+
+def test_a_log_is_never_replaced_by_what_is_said_of_it(finished: Path) -> None:
+    before = (finished / "samples.parquet").read_bytes()
+    for command in ("gap", "diagnose"):
+        assert realitygap(command, finished, "--out", finished, "--force").returncode == 2
+    assert (finished / "samples.parquet").read_bytes() == before
 
 
 @pytest.mark.parametrize(
@@ -219,7 +244,7 @@ def test_an_interrupted_run_leaves_no_table_under_its_final_name(
         stderr=subprocess.DEVNULL,
     )
     deadline = time.monotonic() + 60.0
-    while not list(tmp_path.glob(".out.part-*/samples.parquet")):
+    while not list(tmp_path.glob(".out.part-*/new/samples.parquet")):
         assert time.monotonic() < deadline
         assert process.poll() is None
         time.sleep(0.05)
