@@ -126,11 +126,12 @@ def make_log(frame: pd.DataFrame, *, drive: Drive, fastest: float | None = None)
     if repeated.any():
         notes.append(f"{repeated.sum()} repeated rows dropped")
         table = table[~repeated]
+    # sorted before rows are dropped, so that a dropped row breaks its own robot's track
+    table = table.iloc[np.lexsort((table["robot"], table["run"]))]
     usable, dropped = _without_holes(table)
     if dropped.any():
         notes.append(f"{dropped.sum()} rows without time or command dropped")
-    order = np.lexsort((usable["robot"], usable["run"]))
-    usable, dropped_before = usable.iloc[order].reset_index(drop=True), _after(dropped)[order]
+    usable, dropped_before = usable.reset_index(drop=True), _after(dropped)
     start, segments = _segments(usable)
     t = usable["t"].to_numpy()
     _check_time(t, start, segments)
@@ -183,7 +184,7 @@ def _without_holes(table: pd.DataFrame) -> tuple[pd.DataFrame, npt.NDArray[np.bo
 
 
 def _after(dropped: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """For each kept row, whether the row before it in the file was dropped."""
+    """For each kept row, whether the row before it was dropped."""
     before = np.concatenate([[False], dropped[:-1]])
     return before[~dropped]
 

@@ -35,6 +35,17 @@ def test_rows_of_several_robots_may_come_in_the_order_of_time():
     assert by_time.frame.equals(make_log(frame, drive=DRIVE).frame)
 
 
+@pytest.mark.parametrize("order", [["t", "robot"], ["robot", "t"]])
+def test_a_row_without_a_command_breaks_the_track_of_its_own_robot(order):
+    frame = driven_log(3, robots=3, rows=800, position_noise=5e-4, heading_noise=5e-3)
+    frame.loc[(frame["robot"] == 1) & np.isclose(frame["t"], 10.0), "cmd_left"] = np.nan
+    log = make_log(frame.sort_values(order), drive=DRIVE)
+    new = np.flatnonzero(np.diff(log.stretch)) + 1
+    robot, t = log.frame["robot"].to_numpy()[new], log.t[new]
+    assert list(robot) == [1, 1, 2]
+    assert np.allclose(t, [0.0, 10.04, 0.0])
+
+
 @pytest.mark.parametrize("suffix", [".parquet", ".csv"])
 def test_a_log_comes_back_from_a_file(tmp_path, suffix):
     write_table(noisy(), tmp_path / f"log{suffix}")
