@@ -92,8 +92,12 @@ def nearest_robot(log: MeasuredLog) -> FloatArray:
     run = np.unique(log.frame["run"].astype(str), return_inverse=True)[1]
     apart = 4 * FAR  # ticks and runs lie further apart than any pair that counts
     place = np.column_stack([log.poses[:, :2], apart * tick, apart * run])[rows]
-    found, _ = cKDTree(place).query(place, k=2, distance_upper_bound=FAR)
-    distance[rows] = np.asarray(found)[:, 1]
+    # one row per robot and tick, so that of the two nearest at most one is the robot's own
+    robot, tick = log.segment[rows], tick[rows]
+    one = np.append(True, (np.diff(robot) != 0) | (np.diff(tick) != 0))
+    found, which = cKDTree(place[one]).query(place, k=2, distance_upper_bound=FAR)
+    own = np.append(robot[one], -1)[which] == robot[:, None]
+    distance[rows] = np.where(own, np.inf, found).min(axis=1)
     return distance
 
 
