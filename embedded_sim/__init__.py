@@ -1,7 +1,7 @@
 """What a robot carries on its board: the C point model, the controller, and their evolution."""
 
 from embedded_sim.behaviour import Behaviour
-from embedded_sim.errors import InputError
+from embedded_sim.errors import Diverged, InputError
 from embedded_sim.model import (
     CONTROL_STEP,
     SCENARIOS,
@@ -13,7 +13,6 @@ from embedded_sim.model import (
 from embedded_sim.senses import Senses
 from embedded_sim.simulator import (
     TRIAL_SECONDS,
-    Diverged,
     Evaluation,
     Readings,
     Replay,

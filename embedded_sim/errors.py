@@ -17,6 +17,10 @@ class InputError(ValueError):
         super().__init__(f"{field}: got {got}, expected {expected}")
 
 
+class Diverged(ArithmeticError):
+    """A model or a world left the finite numbers; says where."""
+
+
 def nearest(name: str, valid: Iterable[str]) -> str:
     """The valid names as text, with the one most like `name` first in mind."""
     names = list(valid)

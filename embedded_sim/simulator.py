@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from embedded_sim._core import ffi, lib
 from embedded_sim.behaviour import Behaviour
+from embedded_sim.errors import Diverged
 from embedded_sim.model import CONTROL_STEP, SENSORS, Drive, FloatArray, PointModel
 
 TRIAL_SECONDS = 60.0
@@ -25,10 +26,6 @@ class Evaluation(NamedTuple):
     """(trials,) s, eq. 1."""
     deposits: npt.NDArray[np.int32]
     """(trials,) items brought to the nest."""
-
-
-class Diverged(ArithmeticError):
-    """The point model produced NaN or infinity."""
 
 
 def evaluate(

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from embedded_sim.errors import InputError
+from embedded_sim.errors import Diverged, InputError
 from reality import constants as k
 from reality._optics import lib
 from reality.clock import Past
@@ -87,7 +87,7 @@ class World:
         self._locate(self.poses)
         if not np.isfinite(self.poses).all():
             robot = int(np.argmin(np.isfinite(self.poses).all(axis=1)))
-            raise ArithmeticError(f"the physics diverged at step {self.time_step}, robot {robot}")
+            raise Diverged(f"the physics diverged at step {self.time_step}, robot {robot}")
         self.infrared.sense(self.engine, self.poses)
         self.light.sense(self.poses, self.time_step * k.CONTROL_STEP)
         self.tracker.measure(self.poses if self._past is None else self._past.late())

@@ -67,7 +67,8 @@ class RunConfig(BaseModel):
     case: Case = "light-at-nest"
     controller: Controller = "coevolution"
     minutes: Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)] = 60.0
-    robots: Annotated[int, Field(ge=1, le=500)] = 10
+    robots: Annotated[int, Field(ge=1, le=100)] = 10
+    """More do not find room in the arena."""
     seed: Annotated[int, Field(ge=0)] = 0
     model: str | None = None
     """Model file on board; None: the shipped nominal e-puck."""
@@ -109,7 +110,7 @@ def simulate(
 
     Raises:
         InputError: an effect, model or reading that cannot be used.
-        ArithmeticError: the physics or the point model diverged; says where.
+        Diverged: the physics or the point model left the finite numbers; says where.
     """
     began = time.perf_counter()
     hidden = parse_effects(effects, config.robots, unlisted)

@@ -8,7 +8,7 @@ from typing import Any
 
 import typer
 
-from embedded_sim.errors import InputError
+from embedded_sim.errors import Diverged, InputError
 
 app = typer.Typer(
     name="realitygap",
@@ -48,9 +48,10 @@ def main() -> None:
         sys.stderr.write(f"realitygap: {error}\n")
         sys.exit(2)
     except _UsageError as error:
-        sys.stderr.write(f"realitygap: {error.format_message()} (see --help)\n")
+        if said := error.format_message():  # empty after a command without words: help was shown
+            sys.stderr.write(f"realitygap: {said} (see --help)\n")
         sys.exit(2)
-    except ArithmeticError as error:  # a model or world that left the finite numbers
+    except Diverged as error:
         sys.stderr.write(f"realitygap: {error}\n")
         sys.exit(1)
     except typer.Abort:

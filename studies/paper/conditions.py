@@ -59,7 +59,7 @@ class StudyConfig(BaseModel):
     study: StudyName = "paper"
     runs: Annotated[int, Field(ge=1, le=10_000)] = 10
     minutes: Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)] = 60.0
-    robots: Annotated[int, Field(ge=1, le=500)] = 10
+    robots: Annotated[int, Field(ge=1, le=100)] = 10
     seed: Annotated[int, Field(ge=0)] = 0
 
 
