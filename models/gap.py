@@ -23,11 +23,13 @@ from models.sensor_gap import SensorGap, sensor_gap, sensors_to_judge
 from models.shares import Share
 from models.spread import Excess
 
-LEVEL = 0.05
-"""Chance of flagging anything at all in a log that the model explains up to noise."""
+LEVEL = 0.04
+"""Chance that any mean depends on anything in a log that the model explains up to noise."""
 EXCESS_LEVEL = 0.01
 """The same for errors that only spread too much: far stricter, for it leans on the noise estimated
 from the log itself. Our choice."""
+TOTAL_LEVEL = LEVEL + EXCESS_LEVEL
+"""Chance of flagging anything at all in such a log."""
 ROBOT_HORIZON = "1 s"
 """Windows that robots are compared by: long against noise, short against contacts."""
 DEAL_SECONDS = 10.0

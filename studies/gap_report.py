@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from models.flips import Map
-from models.gap import LEVEL, Gap
+from models.gap import LEVEL, TOTAL_LEVEL, Gap
 from models.horizons import COLUMNS
 from models.log import MeasuredLog, write_table
 from models.motion_gap import UNITS
@@ -77,7 +77,7 @@ def describe(
             "how": " ".join((pose_noise.__doc__ or "").split(";")[0].split())
             + ", from second differences of one-step errors under steady commands",
         },
-        "level": LEVEL,
+        "level": TOTAL_LEVEL,
         "flagged": gap.flagged,
         "horizons": _horizons(gap),
         "channels": _channels(gap),

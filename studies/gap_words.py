@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from models.flips import Map
-from models.gap import LEVEL, Gap
+from models.gap import LEVEL, TOTAL_LEVEL, Gap
 from models.log import MeasuredLog
 from models.shares import Share, explained, telling
 from studies.coevolution_gap import CoevolutionGap
@@ -46,7 +46,7 @@ def summary(log: MeasuredLog, gap: Gap, coevolution: CoevolutionGap | None = Non
     weighed = [*_motion_lines(gap), *_sensor_lines(gap), *_robot_lines(gap)]
     lines = [line for _, line in sorted(weighed, key=lambda pair: -pair[0])]
     if not gap.flagged:
-        lines.insert(0, f"No channel departs from the model beyond noise (level {LEVEL:g}).")
+        lines.insert(0, f"No channel departs from the model beyond noise (level {TOTAL_LEVEL:g}).")
     elif gap.larger() and not any(m.p <= LEVEL for _, _, m in gap.maps()):
         lines.insert(0, _larger_line(gap))
     tail = [_noise_line(gap)]
