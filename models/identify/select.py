@@ -33,7 +33,7 @@ PROMISING_SHARE = 0.1
 """Of the most promising term's, likewise: a step underrates what is far from linear."""
 MUCH = 200.0
 """Promised deviance that always earns a fit."""
-FAMILY = 0.05
+FAMILY = 0.03
 """Of the whole set's gain that a term needs beside a stronger one of its family."""
 ANY = 0.01
 """Of the whole set's gain that any term needs: no model of a cause is exact."""
@@ -91,9 +91,12 @@ def choose(problem: Problem, reference: Reference, *, swarm: bool = False) -> Ch
     before = problem.at((), np.zeros((1, 0)))
     kept, tried = search.forward(before)
     kept = search.needed(kept)
-    found = [search.evidence(kept, term) for term in kept.terms]
-    total = float(problem.gain(before, kept).sum())
-    strong = search.without_companions([one for one in found if one is not None], total)
+    # what unnamed kin took belongs to the named cause of their family: first what health can do,
+    # then what only companions do
+    for judge in (search.beyond, search.strong):
+        for term in search.kin(kept, judge(before, kept)):
+            kept = search.without(kept, term)
+    strong = search.strong(before, kept)
     nuisance = [t for t in kept.terms if t not in [one.term for one in strong]]
     named = [
         replace(
@@ -144,6 +147,22 @@ class _Search:
                 break
             kept = self.without(kept, weakest)
         return kept
+
+    def strong(self, before: Fit, kept: Fit) -> list[Evidence]:
+        """Evidence of the terms that are beyond health and more than companions."""
+        total = float(self.problem.gain(before, kept).sum())
+        return self.without_companions(self.beyond(before, kept), total)
+
+    def beyond(self, before: Fit, kept: Fit) -> list[Evidence]:
+        """Evidence of the terms that are beyond health."""
+        found = [self.evidence(kept, term) for term in kept.terms]
+        return [one for one in found if one is not None]
+
+    def kin(self, kept: Fit, strong: list[Evidence]) -> list[Term]:
+        """Unnamed terms of the named ones' families: they mend what a rough model leaves."""
+        named = [one.term for one in strong]
+        families = {term.cause.family for term in named} - {""}
+        return [t for t in kept.terms if t not in named and t.cause.family in families]
 
     def without_companions(self, found: list[Evidence], total: float) -> list[Evidence]:
         """The evidence but for terms that only mend what a stronger one of their kind leaves."""

@@ -113,13 +113,24 @@ def _swarm(
     some = tracks.only(chosen)
     problem = Problem(some, [base[k] for k in chosen], groups=np.zeros(len(chosen), dtype=int))
     choice = choose(problem, reference, swarm=True)
-    if not choice.named:
+    if not choice.named or not all(_common(problem, choice, one) for one in choice.named):
         return None
     named, motions = _names(problem, choice, reference, swarm=bool(sharing.all()))
     explained = list(base)
     for k, motion in zip(chosen, motions, strict=True):
         explained[k] = motion
     return named, explained
+
+
+def _common(problem: Problem, choice: Choice, evidence: Evidence) -> bool:
+    """Whether nearly every robot, not a few for all, is better off with a shared term."""
+    fit = choice.fit
+    rest = tuple(t for t in fit.terms if t != evidence.term)
+    at = fit.part(evidence.term)
+    without = problem.fit(rest, [np.delete(fit.coordinates, np.r_[at], axis=1)])
+    robots = len(problem.tracks.robots)
+    gain = np.bincount(problem.tracks.robot, problem.gain(without, fit), robots)
+    return float((gain > 0.0).mean()) >= 1.0 - DEVIANTS
 
 
 def _names(
