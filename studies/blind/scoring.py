@@ -79,12 +79,17 @@ def score(trial: Trial, diagnosis: Mapping[str, Any] | None) -> Score:
     )
 
 
-def of_robots(diagnosis: Mapping[str, Any], robots: set[int]) -> dict[str, Any]:
-    """What a diagnosis says of some robots: its causes and verdict as if they were all there is."""
+def of_robots(
+    diagnosis: Mapping[str, Any], robots: set[int], *, swarm: bool = True
+) -> dict[str, Any]:
+    """What a diagnosis says of some robots: its causes and verdict as if they were all there is.
+
+    Causes of the whole swarm are among them only if `swarm`: each is said once.
+    """
     causes = []
     for cause in diagnosis["causes"]:
         if cause["robots"] == "all":
-            causes.append(cause)
+            causes += [cause] if swarm else []
         elif robots & set(cause["robots"]):
             causes.append({**cause, "robots": sorted(robots & set(cause["robots"]))})
     unexplained = [

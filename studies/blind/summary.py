@@ -69,7 +69,10 @@ def _parts(trial: Trial, answer: dict[str, Any]) -> list[tuple[Trial, dict[str, 
         everyone -= set(one.robots)
     rest = replace(trial, kind="rest", hidden=(), looked_at=frozenset(everyone))
     parts.append((rest, everyone))
-    return [(part, None if whole is None else of_robots(whole, robots)) for part, robots in parts]
+    return [
+        (part, None if whole is None else of_robots(whole, robots, swarm=part is rest))
+        for part, robots in parts
+    ]
 
 
 def summarise(directory: BlindDirectory) -> dict[str, Any]:

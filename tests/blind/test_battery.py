@@ -319,6 +319,10 @@ def test_of_a_crowd_only_what_is_said_of_a_robot_counts_for_it() -> None:
     assert [c["robots"] for c in of_robots(said, {4})["causes"]] == [[4]]
     assert named(of_robots(said, {4}), 10)[0].rivals == ("wheel_radius_scale",)
     assert named(of_robots(said, {2}), 10)[0].rivals == ()
+    said["causes"].append({"name": "motor_lag", "robots": "all", "parameters": {}})
+    assert [c["robots"] for c in of_robots(said, {3})["causes"]] == ["all"]
+    assert of_robots(said, {3}, swarm=False)["causes"] == []
+    said["causes"].pop()
     said["verdict"] = "unexplained"
     assert of_robots(said, {7})["verdict"] == "unexplained"
     assert of_robots(said, {3})["verdict"] == "nothing_wrong"
