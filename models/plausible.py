@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -33,6 +34,8 @@ TOO_FAST = 10.0
 """Times the fastest a wheel turns: beyond any other robot's motor, within any mistake of units."""
 STILL = (2e-3, 2e-2)
 """m, rad: a motion below this says nothing."""
+EPUCK_STEPS = 1000
+"""Motor steps per revolution of an e-puck's wheel, whose speeds its firmware counts in steps/s."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,11 @@ def mistakes(drive: Drive) -> list[Reading]:
         ("metres per second of each wheel", "rad/s: divide by the wheel's radius", 1 / radius),
         ("millimetres per second", "rad/s or m/s", 1e-3),
         ("revolutions per minute", "rad/s", 2 * np.pi / 60),
+        (
+            "steps per second of an e-puck's motor",
+            f"rad/s: multiply by 2 pi / {EPUCK_STEPS}",
+            2 * np.pi / EPUCK_STEPS,
+        ),
     ]
     single += [Reading(f"commands look like {n}", fix, command=k) for n, fix, k in commands]
     both = [
@@ -118,13 +126,13 @@ def check_units(
     Raises:
         InputError: says what the numbers look like and what was expected.
     """
+    _check_moving(poses, commands, start)
     rows = _sample(start)
     cut = np.concatenate([[0], np.cumsum([b - a for a, b in rows])])
     taken = np.concatenate([np.arange(a, b) for a, b in rows])
     t, poses, commands = t[taken], poses[taken], commands[taken]
     step = float(np.median(np.diff(t)[np.diff(t) > 0])) if (np.diff(t) > 0).any() else 1.0
     _check_step(step)
-    _check_moving(poses, commands)
     _check_mistakes(t, poses, commands, cut, drive)
     _check_speed(commands, drive, fastest)
 
@@ -180,27 +188,61 @@ def _check_step(step: float) -> None:
     raise InputError("t", f"a row each {step:g} s", f"rows {STEPS[0]:g} to {STEPS[1]:g} s apart")
 
 
-def _check_moving(poses: FloatArray, commands: FloatArray) -> None:
-    """Refuse a log whose robots move though never commanded, or are commanded and never move."""
-    known = poses[np.isfinite(poses).all(axis=1)]
-    if len(known) < 2:
-        return
-    span = np.ptp(known, axis=0)
-    if not commands.any() and (span[:2] > 0.05).any():
+def _check_moving(poses: FloatArray, commands: FloatArray, start: npt.NDArray[np.int64]) -> None:
+    """Refuse a log whose robots move though never commanded, or are commanded and never move.
+
+    Each robot is compared with itself alone: robots stand at different places.
+    """
+    moves = [_moves(poses[a:b], commands[a:b]) for a, b in pairwise(start)]
+    known = [one for one in moves if one is not None]
+    furthest = max((max(one.span[:2]) for one in known), default=0.0)
+    if not commands.any() and furthest > 0.05:
         raise InputError(
             "commands",
-            f"zero in every row while x or y moves {span[:2].max():.3g} m",
+            f"zero in every row while x or y moves {furthest:.3g} m",
             "the commanded speeds",
         )
-    still = [name for name, width in zip(("x", "y", "yaw"), span, strict=True) if width == 0.0]
-    turning = bool((commands[:, 0] != commands[:, 1]).any())
-    frozen = {"x", "y"} <= set(still) or (still == ["yaw"] and turning)
-    if commands.any() and (frozen or (len(still) == 1 and span[2] > 1.0)):
+    driven = [one for one in known if one.ahead or one.turning]
+    if not driven:
+        return
+    still = [
+        name
+        for k, name in enumerate(("x", "y", "yaw"))
+        if all(one.span[k] == 0.0 for one in driven)
+    ]
+    ahead, turning = any(one.ahead for one in driven), any(one.turning for one in driven)
+    if (
+        ({"x", "y"} <= set(still) and (ahead or "yaw" in still))
+        or (still == ["yaw"] and turning)
+        or (len(still) == 1 and max(one.span[2] for one in driven) > 1.0)
+    ):
         raise InputError(
             " and ".join(still),
             "one value in every row of robots that are driven",
             "measured poses",
         )
+
+
+class _Moves(NamedTuple):
+    """How one robot moves in one run, and how it is told to."""
+
+    span: tuple[float, ...]
+    """m, m, rad: largest less smallest x, y and yaw."""
+    ahead: bool
+    turning: bool
+
+
+def _moves(poses: FloatArray, commands: FloatArray) -> _Moves | None:
+    """The moves of one robot in one run; None: it was seen less than twice."""
+    known = np.flatnonzero(np.isfinite(poses).all(axis=1))
+    if len(known) < 2:
+        return None
+    left, right = commands[known[0] : known[-1]].T  # what was told before it was last seen
+    return _Moves(
+        span=tuple(float(width) for width in np.ptp(poses[known], axis=0)),
+        ahead=not np.allclose(left, -right),
+        turning=bool((left != right).any()),
+    )
 
 
 def _sample(start: npt.NDArray[np.int64]) -> list[tuple[int, int]]:

@@ -82,6 +82,7 @@ UNITS = {
     "degrees per second": dict.fromkeys(["cmd_left", "cmd_right"], np.degrees),
     "metres per second": dict.fromkeys(["cmd_left", "cmd_right"], lambda v: v * 0.0205),
     "revolutions per minute": dict.fromkeys(["cmd_left", "cmd_right"], lambda v: v * 9.5493),
+    "steps per second": dict.fromkeys(["cmd_left", "cmd_right"], lambda v: v * 1000 / (2 * np.pi)),
     "millimetres and yaw looks like degrees": {
         "x": lambda v: v * 1e3,
         "y": lambda v: v * 1e3,
@@ -126,6 +127,45 @@ def test_one_dead_robot_is_no_reason_to_refuse_the_log():
     rng = np.random.default_rng(np.random.SeedSequence(1))
     frame.loc[frame["robot"] == 1, ["x", "y", "yaw"]] = rng.normal(0, 5e-4, (800, 3))
     assert make_log(frame, drive=DRIVE).notes == ()
+
+
+def frozen(frame, robots=(0, 1)):
+    """The log with robots that stay where they were first seen."""
+    for robot in robots:
+        rows = frame["robot"] == robot
+        frame.loc[rows, ["x", "y", "yaw"]] = frame.loc[rows, ["x", "y", "yaw"]].iloc[0].to_numpy()
+    return frame
+
+
+def test_robots_frozen_at_different_places_while_driven_are_refused():
+    assert "one value in every row" in refusal(frozen(noisy()))
+
+
+def test_robots_frozen_in_place_alone_or_in_heading_alone_are_refused():
+    still = frozen(noisy())
+    assert refusal(noisy().assign(x=still["x"], y=still["y"])).startswith("x and y: ")
+    assert refusal(noisy().assign(yaw=still["yaw"])).startswith("yaw: ")
+
+
+def test_one_frozen_robot_is_no_reason_to_refuse_the_log():
+    assert make_log(frozen(noisy(), robots=(1,)), drive=DRIVE).notes == ()
+
+
+def test_robots_that_turn_on_the_spot_are_not_taken_for_frozen_ones():
+    frame = noisy()
+    frame["cmd_left"] = -frame["cmd_right"]
+    frame["yaw"] = 2 * 0.0205 * 0.04 / 0.053 * frame.groupby("robot")["cmd_right"].cumsum()
+    still = frozen(noisy())
+    make_log(frame.assign(x=still["x"], y=still["y"]), drive=DRIVE)
+
+
+def test_robots_that_do_not_start_at_once_are_not_taken_for_robots_without_commands():
+    frame = driven_log(3, robots=3, rows=8000, position_noise=5e-4, heading_noise=5e-3)
+    waits = frame["t"] < 300.0
+    still = frozen(frame.copy(), robots=(0, 1, 2))
+    frame.loc[waits, ["x", "y", "yaw"]] = still.loc[waits, ["x", "y", "yaw"]]
+    frame.loc[waits, ["cmd_left", "cmd_right"]] = 0.0
+    make_log(frame, drive=DRIVE)
 
 
 def test_shuffled_time_is_refused_with_the_remedy():
