@@ -31,6 +31,7 @@ from embedded_sim import InputError
 from embedded_sim.errors import nearest
 from models.formats.joined import join, latest, series
 from models.log import read_table
+from models.plausible import EPUCK_STEPS
 from models.schema import BODY_COMMANDS, POSE, UNITS, WHEEL_COMMANDS
 
 SCALES: dict[str, dict[str, float]] = {
@@ -38,9 +39,15 @@ SCALES: dict[str, dict[str, float]] = {
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
     "rad": {"rad": 1.0, "deg": np.pi / 180},
     "m/s": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
-    "rad/s": {"rad/s": 1.0, "deg/s": np.pi / 180, "rpm": 2 * np.pi / 60},
+    "rad/s": {
+        "rad/s": 1.0,
+        "deg/s": np.pi / 180,
+        "rpm": 2 * np.pi / 60,
+        "steps/s": 2 * np.pi / EPUCK_STEPS,
+    },
 }
-"""Units a column may be in, by the log's own unit, and what to multiply by."""
+"""Units a column may be in, by the log's own unit, and what to multiply by. An e-puck's steps per
+second are a wheel's alone."""
 
 
 class Source(BaseModel):
@@ -182,6 +189,8 @@ def _source(given: Source | str) -> Source:
 def _scale(name: str, source: Source, map_path: Path) -> float:
     """What to multiply a column by."""
     units = SCALES.get(UNITS[name], {})
+    if name == "cmd_omega":
+        units = {unit: scale for unit, scale in units.items() if unit != "steps/s"}
     if source.unit is None:
         return source.scale
     if source.unit not in units:

@@ -130,6 +130,15 @@ def test_a_map_turns_a_labs_own_columns_and_units_into_a_log(tmp_path):
     assert np.allclose(log.commands, expected.commands)
 
 
+def test_wheel_speeds_may_be_in_the_steps_of_an_epuck(tmp_path):
+    frame = driven_log(5, rows=300)
+    told = {k: frame[f"cmd_{k}"] * 1000 / (2 * np.pi) for k in ("left", "right")}
+    foreign(frame).assign(l=told["left"], r=told["right"]).to_csv(tmp_path / "a.csv", index=False)
+    (tmp_path / "map.toml").write_text(MAP.replace("rpm", "steps/s"))
+    log = make_log(read_mapped(tmp_path / "a.csv", tmp_path / "map.toml"), drive=EPUCK)
+    assert np.allclose(log.commands, make_log(frame, drive=EPUCK).commands)
+
+
 def test_a_map_may_take_poses_from_a_second_file(tmp_path):
     frame = driven_log(6, rows=400)
     told = foreign(frame)
@@ -151,6 +160,7 @@ def test_a_map_may_take_poses_from_a_second_file(tmp_path):
         (MAP.replace('"mm"', '"mmm"'), "did you mean mm"),
         (MAP.replace("cmd_left", "cmd_lef"), "did you mean cmd_left"),
         (MAP.replace("unit", "unti"), "unti"),
+        (MAP + 'cmd_omega = { from = "l", unit = "steps/s" }\n', "cmd_omega"),
         ("[columns", "TOML"),
         ("", "columns"),
     ],
