@@ -9,6 +9,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 COMMAND = [sys.executable, "-c", "from studies.cli import main; main()"]
 """`realitygap`, with this interpreter."""
+ENVIRONMENT = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "COLUMNS": "200"}
 
 
 def realitygap(*words: object, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
@@ -16,7 +17,7 @@ def realitygap(*words: object, cwd: Path = ROOT) -> subprocess.CompletedProcess[
     return subprocess.run(
         [*COMMAND, *map(str, words)],
         cwd=cwd,
-        env={"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "COLUMNS": "200"},
+        env=ENVIRONMENT,
         capture_output=True,
         text=True,
         check=False,

@@ -45,7 +45,9 @@ def gap(
         with whole_directory(out, force=force, holds=("gap.json",)) as part:
             report = write_coevolution(evolved, part)
     else:
-        measured = read_log(log, drive=point.drive, fastest=file.robot.wheel_speed_max)
+        # commands are turned into wheel speeds as the lab does: an extension tells of the robots
+        nominal = file.model_copy(update={"extension": None}).motion().drive
+        measured = read_log(log, drive=nominal, fastest=file.robot.wheel_speed_max)
         found = measure_gap(measured, file, point, seed=seed)
         with whole_directory(out, force=force, holds=("gap.json",)) as part:
             report = write_gap(measured, found, part, name=file.name, coevolution=evolved)
