@@ -23,7 +23,10 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from embedded_sim.errors import nearest
-from models.causes import ALL, Cause, Motion, causes
+from embedded_sim.model import FloatArray
+from models.catalogue import every_cause
+from models.causes import ALL, Cause, Motion
+from models.senses.cause import Belief, SenseCause
 
 
 class _Table(BaseModel):
@@ -51,13 +54,13 @@ class NamedCause(_Table):
     @property
     def cause(self) -> Cause:
         """The catalogue's entry."""
-        return causes()[self.name]
+        return every_cause()[self.name]
 
     @model_validator(mode="after")
     def _known(self) -> NamedCause:
         """Refuse names, words, parameters and values that the catalogue does not have."""
-        if self.name not in causes():
-            raise ValueError(f"{self.name!r} is no cause: {nearest(self.name, causes())}")
+        if self.name not in every_cause():
+            raise ValueError(f"{self.name!r} is no cause: {nearest(self.name, every_cause())}")
         cause = self.cause
         if self.word not in cause.variants:
             raise ValueError(
@@ -84,8 +87,17 @@ class NamedCause(_Table):
 
     def applied(self, motion: Motion) -> Motion:
         """The motion with this cause."""
-        values = np.array([self.parameters[p.name].value for p in self.cause.parameters])
-        return self.cause.change(motion, values, self.word)
+        return self.cause.change(motion, self._values(), self.word)
+
+    def sensed(self, belief: Belief) -> Belief:
+        """What is believed of the senses, with this cause."""
+        cause = self.cause
+        if not isinstance(cause, SenseCause):
+            return belief
+        return cause.sense(belief, self._values(), self.word)
+
+    def _values(self) -> FloatArray:
+        return np.array([self.parameters[p.name].value for p in self.cause.parameters])
 
 
 class Extension(_Table):
@@ -102,6 +114,14 @@ class Extension(_Table):
             if cause.concerns(robot):
                 motion = cause.applied(motion)
         return motion
+
+    def sensed(self, robot: int | None) -> Belief:
+        """What is believed of a robot's senses, with every cause that concerns it."""
+        belief = Belief()
+        for cause in self.causes:
+            if cause.concerns(robot):
+                belief = cause.sensed(belief)
+        return belief
 
 
 __all__ = ["Extension", "NamedCause", "ParameterValue", "ValidationError"]

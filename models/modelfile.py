@@ -119,7 +119,7 @@ class ModelFile(_Table):
         body, arena = self.robot, self.arena or Arena()
         places = (self.lamps.opposite, None, self.lamps.at_nest)
         opposite, none, at_nest = (None if p is None else (p.x, p.y) for p in places)
-        return PointModel(
+        minimal = PointModel(
             drive=self.motion(robot).drive,
             tables=tables,
             body_radius=body.body_radius,
@@ -129,6 +129,7 @@ class ModelFile(_Table):
             food_radius=arena.food_radius,
             lamps=(opposite, none, at_nest),
         )
+        return minimal if self.extension is None else self.extension.sensed(robot).of(minimal)
 
 
 def find_model_file(source: Path | str | None = None) -> Path:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from models.causes import causes
+from models.catalogue import every_cause
 from reality.effects import Effect, Parameter, catalogue
 from studies.blind.menu import MENU
 
@@ -58,7 +58,7 @@ def entries(kind: str) -> Iterator[Entry]:
     effects = [effect for effect in catalogue().values() if effect.kind == kind]
     for effect in sorted(effects, key=lambda e: order.index(e.name)):
         keys = tuple(key_text(name, p) for name, p in effect.parameters.items())
-        known = causes().get(effect.name)
+        known = every_cause().get(effect.name)
         if known is None:
             yield Entry(effect, keys, "", (), "")
         else:

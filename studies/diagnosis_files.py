@@ -17,6 +17,14 @@ from models.identify.diagnose import diagnose
 from models.log import SAMPLES, MeasuredLog, make_log, read_table
 from models.modelfile import ModelFile, find_model_file, read_model_file
 from models.reference import Reference, read_reference, shipped_reference
+from models.senses.joined import with_senses
+from models.senses.reference import (
+    SenseReference,
+    beside,
+    read_sense_reference,
+    shipped_sense_reference,
+)
+from models.tables import load_tables
 from studies.output import whole_directory
 
 NO_REFERENCE = "none"
@@ -52,11 +60,14 @@ def diagnose_files(request: Request, out: Path, *, force: bool = False) -> Diagn
     log = read_logs(request.logs, model)
     healthy = _reference(request.reference, model)
     examined = diagnose(log, model, healthy, seed=request.seed)
+    tables = None if model.sensors is None else load_tables(path.parent / model.sensors.tables)
+    senses = _sense_reference(request.reference, model)
+    examined = with_senses(examined, log, tables, senses, seed=request.seed)
     found = examined.diagnosis
     named = extension(found, log_hash=_hash(request.logs), command=request.command)
     from studies.diagnosis_report import write_report
 
-    with whole_directory(out, force=force) as part:
+    with whole_directory(out, force=force, holds=("diagnosis.json",)) as part:
         (part / "diagnosis.json").write_text(
             json.dumps(as_json(found), indent=1, allow_nan=False) + "\n", encoding="utf-8"
         )
@@ -144,6 +155,16 @@ def _reference(given: str | None, model: ModelFile) -> Reference | None:
     if given is not None:
         return read_reference(Path(given))
     return shipped_reference(model.name)
+
+
+def _sense_reference(given: str | None, model: ModelFile) -> SenseReference | None:
+    """The senses' reference beside the one asked for, or the shipped one of the model."""
+    if given == NO_REFERENCE:
+        return None
+    if given is None:
+        return shipped_sense_reference(model.name)
+    path = beside(Path(given))
+    return read_sense_reference(path) if path.is_file() else None
 
 
 def _hash(logs: Sequence[Path]) -> str:

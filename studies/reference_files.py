@@ -18,8 +18,10 @@ from models.identify.tracks import Tracks, cut_tracks
 from models.log import read_log
 from models.modelfile import read_model_file
 from models.reference import Reference, write_reference
+from models.senses.reference import beside, write_sense_reference
 from studies.execution import Workers
 from studies.output import check_free, whole_file
+from studies.sense_reference_files import sense_reference_of
 
 MINUTES = 2.0
 """Simulated, of a recorded run: what a diagnosis is usually made of."""
@@ -66,6 +68,7 @@ def write_reference_of(
     if not request.logs and request.runs < 1:
         raise InputError("LOG", "nothing", "logs of healthy robots, or --runs to record some")
     check_free(out, force=force)
+    check_free(beside(out), force=force)
     model = read_model_file(request.model)
     jobs = Workers.chosen(request.jobs, None).jobs
     done = 0.0
@@ -94,10 +97,14 @@ def write_reference_of(
         for healthy in pool.map(_terms, [(path, request.model, common) for path in paths]):
             swarms.append(healthy)
             step(0.7)
+        senses = sense_reference_of(paths, request.model, pool, command=request.command)
     drive = model.motion().drive
     made = make_reference(swarms, common, model=model.name, drive=drive, command=request.command)
     with whole_file(out, force=force) as part:
         write_reference(made, part)
+    if senses is not None:
+        with whole_file(beside(out), force=force) as part:
+            write_sense_reference(senses, part)
     return made
 
 

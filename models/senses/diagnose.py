@@ -29,6 +29,8 @@ NOISY = 0.8
 """Share of the robots that must be noisier for the swarm to be."""
 FAR = 3.0
 """Standard deviations at which a robot counts as noisier, where the swarm is asked for."""
+LEAST_ERROR = 1e-3
+"""Relative: readings of other robots are never taken to be surer."""
 AGREES, DISAGREES = 3.0, 4.0
 """Standard deviations within which, and beyond which, readings of other robots decide between the
 wall and the sensors."""
@@ -51,6 +53,7 @@ def diagnose_senses(
     model: PointModel,
     reference: SenseReference | None,
     *,
+    believed: Mapping[int, Belief] | None = None,
     seen: Mapping[int, tuple[Motion, Motion]] | None = None,
 ) -> SenseExamination:
     """Say what is wrong with the senses of the robots of a log.
@@ -59,6 +62,7 @@ def diagnose_senses(
         log: Measured.
         model: What the simulator believes.
         reference: What healthy robots' senses do; None: nobody knows.
+        believed: What the simulator believes of single robots, by id.
         seen: As for `look`: robots whose markers motion has found askew.
     """
     missing = list(_missing(log, model, reference))
@@ -67,7 +71,8 @@ def diagnose_senses(
         return SenseExamination(named=named, not_checked=tuple(missing))
     healthy = no_sense_reference("") if reference is None else reference
     sight = look(log, model, seen)
-    base = [healthy.base()] * len(sight.robots)
+    common = Belief(senses=model.senses)
+    base = [healthy.base((believed or {}).get(robot, common)) for robot in sight.robots]
     expected = predict(sight, model, base)
     blind = np.hstack(
         [
@@ -84,6 +89,11 @@ def diagnose_senses(
     problem = Problem(sight, model, base, use)
     found, fit = choose(problem, healthy)
     found = [_wall_or_sensors(one, problem, fit, healthy) for one in found]
+    after = [
+        replace(b, senses=replace(b.senses, ps_noise=b.senses.ps_noise / float(np.exp(u))))
+        for b, (u, _, _) in zip(problem.beliefs(fit.terms, fit.coordinates), noisy, strict=True)
+    ]
+    noisy = _noise(sight, model, after, use, healthy)  # what a fault explains is no noise
     named += fitted_named(found, sight.robots, healthy)
     named += dead_named(blind, sight.robots)
     named += noise_named(noisy, sight.robots)
@@ -183,7 +193,7 @@ def _wall_or_sensors(one: Found, problem: Problem, fit: Fit, healthy: SenseRefer
     counts = predict(sight, model, problem.beliefs(fit.terms, fit.coordinates))
     told, error = of_robots(sight, model, counts, np.isfinite(sight.read[:, :SENSORS]))
     size = float(one.coordinates[0] - healthy.spread(one.term.key, 1, swarm=True)[0][0])
-    wide = float(np.hypot(error, healthy.targets.swarm_sd))
+    wide = max(float(np.hypot(error, healthy.targets.swarm_sd)), LEAST_ERROR)
     if not np.isfinite(told):
         return replace(one, term=albedo, rivals=(gain,))
     of_wall = abs(told - healthy.targets.mean) / wide

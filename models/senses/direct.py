@@ -18,10 +18,15 @@ LEAST_TELLING = 8
 """Such readings needed."""
 LIT = 40.0
 """counts below dark at which a light sensor must see the lamp."""
+LEAST_LIT, LEAST_BLOCKS = 30, 3
+"""Such moments needed, and blocks of time that they are in: an unseen obstacle may shade a robot
+for a while."""
 DARK_SHARE = 0.15
 """Of the light expected, most that a covered sensor reads."""
+UNLIT = 2.0
+"""counts expected of the lamp, below which only the room's light is seen."""
 DARKER = 25.0
-"""counts that a covered sensor reads above the room's darkness, where no lamp is on."""
+"""counts by which a covered sensor is darker than the others where they see the room alone."""
 LEAST_NOISE = 60
 """Readings of at least `TELLING` counts from which a scale of noise is told."""
 NORMAL = 1.4826
@@ -71,12 +76,16 @@ def dead_light(sight: Sight, expected: FloatArray, model: PointModel) -> Bools:
         for s in range(SENSORS):
             seen = free[:, s]
             lit = seen & (told[:, s] > LIT)
-            if lit.sum() >= LEAST_TELLING:
-                dead[k, s] = np.median(below[lit, s] / told[lit, s]) < DARK_SHARE
-            elif seen.sum() > 100:
+            blocks = len(np.unique(sight.block[rows][lit]))
+            if lit.sum() >= LEAST_LIT and blocks >= LEAST_BLOCKS:
+                never = np.nanquantile(below[:, s], 0.99) < 0.5 * LIT
+                dead[k, s] = never and np.median(below[lit, s] / told[lit, s]) < DARK_SHARE
+            else:
+                unlit = free & (told < UNLIT)
                 others = np.delete(np.arange(SENSORS), s)
-                usual = np.median(below[:, others][free[:, others]]) if free.any() else 0.0
-                dead[k, s] = np.median(below[seen, s]) < usual - DARKER
+                if unlit[:, s].sum() >= LEAST_LIT and unlit[:, others].any():
+                    usual = float(np.median(below[:, others][unlit[:, others]]))
+                    dead[k, s] = np.median(below[unlit[:, s], s]) < usual - DARKER
     return dead
 
 

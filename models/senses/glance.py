@@ -8,7 +8,7 @@ import numpy as np
 
 from embedded_sim.model import FloatArray
 from models.senses.causes import sense_causes
-from models.senses.problem import FOLDS, SWARM, Column, Fit, Problem, Term, ridged
+from models.senses.problem import FOLDS, STRETCH, SWARM, Column, Fit, Problem, Term, ridged
 
 FITTED = ("ps", "ls", "both")
 NO_COMMANDS: FloatArray = np.zeros((0, 2))
@@ -111,12 +111,12 @@ def _step(
     held = problem.deviance(np.where(problem.use, moved, 0.0))
     own = step[len(kept.columns) :]
     coordinates = start.copy()
-    coordinates[len(start) - len(own) :] += own
+    coordinates[len(start) - len(own) :] += STRETCH * own
     last = term.cause.parameters[-1]
     possible = not start.any() or last.bounds[0] < coordinates[-1] < last.bounds[1]
     gain = float((kept.held_out - held).sum()) if possible else -np.inf
     wide = np.zeros(len(start))
-    wide[len(start) - len(own) :] = error[len(kept.columns) :]
+    wide[len(start) - len(own) :] = STRETCH * error[len(kept.columns) :]
     begun = np.concatenate([kept.coordinates + step[: len(kept.columns)], coordinates])
     return Promise(term, gain, coordinates, begun, wide)
 

@@ -25,6 +25,9 @@ from models.senses.sight import Bools
 NOMINAL = 1.96
 """Standard deviations of a normal variable on each side of 95 %."""
 LEAST_SWARM = 3
+ABOVE_ZERO = 3.0
+"""counts of offset from which readings are no longer cut off at zero, which is what the inherent
+offset stands for."""
 SURE = 99.0
 """Distance from health told of a sensor that is simply dead, in standard deviations."""
 
@@ -37,6 +40,9 @@ def fitted_named(
     for one in found:
         swarm = one.term.robot == SWARM
         mean, sd = healthy.spread(one.term.key, one.term.size, swarm=swarm)
+        change = one.coordinates - mean
+        if one.term.cause.name == "ir_offset" and change[0] > ABOVE_ZERO:
+            change = change + healthy.inherent.get("ir_offset", 0.0)
         evidence = _evidence(
             one.term.cause, one.term.variant, one.coordinates, one.gain, one.share, one.distance
         )
@@ -46,7 +52,7 @@ def fitted_named(
                 one.term.cause,
                 one.term.variant,
                 robots if swarm else (robots[one.term.robot],),
-                _values(one.term.cause, one.coordinates - mean, np.hypot(one.error, sd)),
+                _values(one.term.cause, change, np.hypot(one.error, sd)),
                 evidence,
                 whole=swarm and len(robots) >= LEAST_SWARM,
                 rivals=rivals,
@@ -154,6 +160,6 @@ def _named(
         robots=robots,
         whole_swarm=whole,
         values=values,
-        evidence=replace(evidence, rivals=rivals, gains=gains),
+        evidence=replace(evidence, rivals=rivals, gains=gains or ((cause.name, evidence.gain),)),
         twins=(),
     )

@@ -27,6 +27,9 @@ DEGREES = 4.0
 ITERATIONS = 8
 CONVERGED = 0.05
 """Deviance promised by a further step at which a fit has ended."""
+STRETCH = 1.36
+"""How far the optimum lies beyond one step with the weights as curvature, and its error beyond what
+they give: the ratio of mean weight to mean curvature of such a deviance for normal errors."""
 RIDGE = 1e-10
 SWARM = -1
 """Scope of a term that all robots share."""
@@ -99,6 +102,12 @@ class Problem:
         self.noise = noise(sight, model, self.base, counts)
         self.blocks = int(sight.block.max()) + 1
         self.fold = (np.arange(self.blocks) * 7919 % 104729) % FOLDS  # neighbours in other folds
+
+    def judge_anew(self, fit: Fit) -> None:
+        """Take the noise from what a fit predicts: most of infrared's is relative."""
+        beliefs = self.beliefs(fit.terms, fit.coordinates)
+        counts = predict(self.sight, self.model, beliefs)
+        self.noise = noise(self.sight, self.model, beliefs, counts)
 
     def beliefs(self, terms: Terms, coordinates: FloatArray) -> list[Belief]:
         """Each robot's belief with the terms."""
@@ -188,7 +197,7 @@ class Problem:
         return Fit(
             terms=terms,
             coordinates=here,
-            covariance=sand * np.outer(plain, plain),
+            covariance=STRETCH**2 * sand * np.outer(plain, plain),
             residual=residual,
             columns=columns,
             held_out=self.held_out(residual, columns, slope, bend),

@@ -7,6 +7,7 @@ whole healthy swarms get for it. It is a file of its own beside the motion's.
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -72,20 +73,17 @@ class SenseReference(_Strict):
     """Logarithm of what infrared reads of other robots over what it would of a wall there."""
     silent: float = 1.0
     """Largest share of zeros among all readings of a healthy infrared sensor."""
-    gain: float = 15.0
+    gain: float = 12.0
     """Held-out deviance that a term must take off."""
-    distance: float = 5.0
+    distance: float = 4.3
     """Standard deviations from health that a term must be."""
     margin: float = 1.3
     """Times the farthest healthy robot, and the largest healthy gain."""
     command: str = ""
 
-    def base(self) -> Belief:
-        """A healthy robot's senses."""
-        belief = Belief()
-        for name, coordinate in self.inherent.items():
-            belief = sense_causes()[name].believed(belief, np.array([coordinate]))
-        return belief
+    def base(self, believed: Belief) -> Belief:
+        """A healthy robot's senses where the model believes these."""
+        return with_inherent(believed, self.inherent)
 
     def spread(self, key: str, size: int, *, swarm: bool) -> tuple[FloatArray, FloatArray]:
         """(p,) healthy mean and standard deviation of a term's coordinates."""
@@ -105,6 +103,13 @@ class SenseReference(_Strict):
             (found.swarm_gain, found.swarm_farthest) if swarm else (found.gain, found.farthest)
         )
         return max(self.gain, self.margin * gain), max(self.distance, self.margin * far)
+
+
+def with_inherent(belief: Belief, coordinates: Mapping[str, float]) -> Belief:
+    """A belief with the inherent terms."""
+    for name, coordinate in coordinates.items():
+        belief = sense_causes()[name].believed(belief, np.array([coordinate]))
+    return belief
 
 
 def no_sense_reference(model: str) -> SenseReference:

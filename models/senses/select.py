@@ -72,6 +72,9 @@ def choose(problem: Problem, reference: SenseReference) -> tuple[list[Found], Fi
         kept = fits[best]
         tried[best] = gains
         kept = _needed(problem, kept, reference, best)
+    if kept.terms:
+        problem.judge_anew(kept)
+        kept = problem.fit(kept.terms, kept.coordinates)
     found = [_evidence(problem, kept, t, reference, tried.get(t, {})) for t in kept.terms]
     passed = [one for one in found if one is not None]
     return [one for one in passed if not _mends(one, passed)], kept

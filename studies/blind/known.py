@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from models.causes import causes
+from models.catalogue import every_cause
 from studies.blind.menu import MENU
 
 
 def known_effects() -> tuple[str, ...]:
     """Names in the menu's order."""
-    return tuple(name for name in MENU if name in causes())
+    return tuple(name for name in MENU if name in every_cause())

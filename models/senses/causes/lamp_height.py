@@ -14,7 +14,9 @@ LAMP_HEIGHT = PointModel().lamp_height
 
 
 def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
-    return replace(belief, senses=replace(belief.senses, lamp_height=float(values[0])))
+    believed = belief.senses.lamp_height
+    moved = 0.0 if believed is None else believed - LAMP_HEIGHT
+    return replace(belief, senses=replace(belief.senses, lamp_height=float(values[0]) + moved))
 
 
 CAUSE = SenseCause(

@@ -8,15 +8,19 @@ from embedded_sim.model import FloatArray
 from models.causes.cause import Parameter
 from models.senses.cause import LS, Belief, SenseCause
 
+SQUARE = 2.0
+"""Exponent of the captured law."""
+
 
 def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
-    return replace(belief, senses=replace(belief.senses, light_exponent=float(values[0])))
+    exponent = belief.senses.light_exponent * float(values[0]) / SQUARE
+    return replace(belief, senses=replace(belief.senses, light_exponent=exponent))
 
 
 CAUSE = SenseCause(
     name="light_falloff",
     meaning="the light falls off with another power of distance",
-    parameters=(Parameter(name="exponent", unit="1", null=2.0, low=0.0, high=6.0, step=0.01),),
+    parameters=(Parameter(name="exponent", unit="1", null=SQUARE, low=0.0, high=6.0, step=0.01),),
     sense=_sense,
     kind="ls",
     place=True,

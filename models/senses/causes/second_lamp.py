@@ -24,8 +24,9 @@ def _starts(commands: FloatArray) -> list[FloatArray]:
 
 def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
     x, y, intensity = (float(value) for value in values)
-    senses = replace(belief.senses, second_lamp=(x, y, intensity) if intensity > 0.0 else None)
-    return replace(belief, senses=senses)
+    if intensity <= 0.0:
+        return belief
+    return replace(belief, senses=replace(belief.senses, second_lamp=(x, y, intensity)))
 
 
 CAUSE = SenseCause(

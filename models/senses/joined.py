@@ -1,0 +1,114 @@
+"""One diagnosis out of what motion and senses show."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from embedded_sim import SENSORS, Tables
+from embedded_sim.model import FloatArray
+from models.causes import Motion
+from models.diagnosis import Gain
+from models.identify.diagnose import Examination
+from models.log import MeasuredLog
+from models.senses.cause import Belief
+from models.senses.diagnose import SenseExamination, diagnose_senses
+from models.senses.predicted import predict
+from models.senses.reference import SenseReference
+from models.senses.sight import Bools, Rows
+
+MARKERS = ("tracker_yaw_offset", "tracker_offset", "clock_offset")
+"""Causes in motion that put the measured pose beside the true one."""
+RESAMPLED = 400
+"""Bootstrap samples of blocks for a gain's interval."""
+KINDS = {"infrared": slice(0, SENSORS), "light": slice(SENSORS, 2 * SENSORS)}
+
+
+def with_senses(
+    examined: Examination,
+    log: MeasuredLog,
+    tables: Tables | None,
+    reference: SenseReference | None,
+    *,
+    seed: int = 0,
+) -> Examination:
+    """An examination of motion with everything the senses show added to its diagnosis.
+
+    Args:
+        examined: Of the same log.
+        log: Measured.
+        tables: Captured, of the model; None: its sensors are not modelled.
+        reference: What healthy robots' senses do; None: nobody knows.
+        seed: Of the bootstrap.
+    """
+    model, found = examined.model, examined.diagnosis
+    robots = examined.tracks.robots
+    believed = {}
+    if model.extension is not None:
+        believed = {r: Belief(senses=model.extension.sensed(r).senses) for r in robots}
+    senses = diagnose_senses(
+        log, model.point_model(tables), reference, believed=believed, seen=_askew(examined)
+    )
+    joined = replace(
+        found,
+        named=(*found.named, *senses.named),
+        not_checked=(*found.not_checked, *senses.not_checked),
+        gain={**found.gain, **_gains(senses, np.random.default_rng(seed))},
+    )
+    return replace(examined, diagnosis=joined)
+
+
+def _askew(examined: Examination) -> dict[int, tuple[Motion, Motion]]:
+    """Healthy and found motion of the robots whose markers or tracker's clock motion has named."""
+    found = examined.identified
+    concerned = {
+        robot for one in found.named if one.term.cause.name in MARKERS for robot in one.robots
+    }
+    return {
+        robot: (found.base[k], found.explained[k])
+        for k, robot in enumerate(examined.tracks.robots)
+        if robot in concerned
+    }
+
+
+def _gains(senses: SenseExamination, rng: np.random.Generator) -> dict[str, Gain]:
+    """Mean absolute error of the readings that are judged, before and after, where any is named."""
+    problem, fit, sight = senses.problem, senses.fit, senses.sight
+    named = [one for one in senses.named if one.term.cause.columns != ("nest",)]
+    if problem is None or fit is None or sight is None or not named:
+        return {}
+    concerned = {robot for one in named for robot in one.robots}
+    rows = np.isin(np.array(sight.robots), list(concerned))[sight.robot]
+    before = predict(
+        sight, problem.model, [Belief(senses=problem.model.senses)] * len(problem.base)
+    )
+    after = predict(sight, problem.model, problem.beliefs(fit.terms, fit.coordinates))
+    result = {}
+    for kind, columns in KINDS.items():
+        use = problem.use[:, columns] & rows[:, None]
+        if not use.any():
+            continue
+        errors = [
+            np.where(use, np.abs(sight.read - counts)[:, columns], 0.0)
+            for counts in (before, after)
+        ]
+        result[f"{kind}_reading"] = _gain(errors, use, sight.block, rng)
+    return result
+
+
+def _gain(errors: list[FloatArray], use: Bools, block: Rows, rng: np.random.Generator) -> Gain:
+    number = np.bincount(block, use.sum(axis=1))
+    before, after = (np.bincount(block, np.nan_to_num(e).sum(axis=1)) for e in errors)
+    some = np.flatnonzero(number)
+    picks = some[rng.integers(0, len(some), (RESAMPLED, len(some)))]
+    tried = after[picks].sum(axis=1) / number[picks].sum(axis=1)
+    low, high = np.quantile(tried, (0.025, 0.975))
+    total = float(number.sum())
+    return Gain(
+        before=float(before.sum()) / total,
+        after=float(after.sum()) / total,
+        low=float(low),
+        high=float(high),
+        unit="counts",
+    )
