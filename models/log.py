@@ -146,10 +146,10 @@ def make_log(frame: pd.DataFrame, *, drive: Drive, fastest: float | None = None)
     if gaps:
         notes.append(f"{gaps} gaps in time: nothing is replayed across them")
     commands, poses = wheel_commands(usable, drive), usable[list(POSE)].to_numpy(dtype=np.float64)
-    check_units(t, poses, commands, start, drive=drive, fastest=fastest)
+    names = [f"robot {r} in run {run}" for run, r in segments.itertuples(index=False)]
+    check_units(t, poses, commands, start, drive=drive, names=names, fastest=fastest)
     stretch = np.concatenate([[0], np.cumsum(breaks)])
     segment = np.repeat(np.arange(len(segments)), np.diff(start))
-    names = [f"robot {r} in run {run}" for run, r in segments.itertuples(index=False)]
     speed = float(np.abs(0.5 * commands @ np.array(drive.wheel_radius)).max())
     track = repair(poses, t, stretch, segment, names, speed)
     return MeasuredLog(

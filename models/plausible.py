@@ -9,6 +9,7 @@ a robot that simply drives badly agrees with no mistake better than with the tru
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -26,6 +27,11 @@ STEPS = (1e-3, 2.0)
 """s between rows that a log can have; beyond, time is in another unit."""
 SAMPLE = 20_000
 """Rows looked at, from the start of every segment in turn: enough for any of these mistakes."""
+ALONE = 500
+"""Rows looked at, at least, of a robot that is judged alone."""
+UNLIKE = 5.0
+"""A robot's commands are in a unit of their own only if this many times those of the others, or
+fewer: the smallest factor of `mistakes` is twice that. A motor that does not obey is a fault."""
 GOOD = 0.35
 """Disagreement (0: none, 1: unrelated) below which motion agrees. A motor at half speed: 0.33."""
 BETTER = 0.5
@@ -111,6 +117,7 @@ def check_units(
     start: npt.NDArray[np.int64],
     *,
     drive: Drive,
+    names: Sequence[str],
     fastest: float | None = None,
 ) -> None:
     """Refuse a log whose measured motion is explained by a mistake of units or signs.
@@ -121,12 +128,14 @@ def check_units(
         commands: (rows, 2) rad/s.
         start: (segments + 1,) first rows, and the row count.
         drive: The nominal motion model.
+        names: (segments,) what to call each in a refusal.
         fastest: rad/s, most a wheel of this robot turns, if known.
 
     Raises:
         InputError: says what the numbers look like and what was expected.
     """
     _check_moving(poses, commands, start)
+    _check_alone(t, poses, commands, start, drive, names)
     rows = _sample(start)
     cut = np.concatenate([[0], np.cumsum([b - a for a, b in rows])])
     taken = np.concatenate([np.arange(a, b) for a, b in rows])
@@ -146,22 +155,88 @@ def _check_mistakes(
 ) -> None:
     """Refuse a log that a usual mistake explains and that does not agree as it stands."""
     asis = _disagreement(t, poses, commands, cut, drive, Reading())
-    if asis is None or asis <= GOOD:
+    mistake = _mistaken(asis, t, poses, commands, cut, drive, mistakes(drive))
+    if mistake is not None:
+        seen = f"{_contrast(t, poses, commands, cut, drive)} ({mistake.seen})"
+        raise InputError("log", seen, mistake.fix)
+
+
+def _check_alone(
+    t: FloatArray,
+    poses: FloatArray,
+    commands: FloatArray,
+    start: npt.NDArray[np.int64],
+    drive: Drive,
+    names: Sequence[str],
+) -> None:
+    """Refuse a log in which some robots are logged in a unit of their own, and name them.
+
+    Signs are not judged: a robot whose motors are swapped drives a mirrored path.
+    """
+    found: dict[int, Reading | None] = {}
+    rows = _sample(start, ALONE)
+    if len(rows) < 2:
         return
+    level = np.array([float(np.quantile(np.abs(commands[a:b]), 0.9)) for a, b in rows])
+    for k, (a, b) in enumerate(rows):
+        part = (t[a:b], poses[a:b], commands[a:b], np.array([0, b - a]), drive)
+        asis = _disagreement(*part, Reading())
+        if asis is None:
+            continue
+        usual = float(np.median(np.delete(level, k)))
+        unlike = not usual / UNLIKE <= level[k] <= usual * UNLIKE
+        units = [
+            m
+            for m in mistakes(drive)
+            if m.length != 1.0 or abs(m.angle) != 1.0 or (unlike and m.command != 1.0)
+        ]
+        found[k] = _mistaken(asis, *part, units)
+    odd = [k for k, mistake in found.items() if mistake is not None]
+    seen = {mistake.seen for mistake in found.values() if mistake is not None}
+    if not odd or (len(odd) == len(found) and len(seen) == 1):
+        return  # what all robots have in common is the log's own unit
+    a, b = rows[odd[0]]
+    mistake = found[odd[0]]
+    assert mistake is not None
+    more = f" and {len(odd) - 1} more" if len(odd) > 1 else ""
+    contrast = _contrast(t[a:b], poses[a:b], commands[a:b], np.array([0, b - a]), drive)
+    raise InputError(
+        f"{names[odd[0]]}{more}", f"{contrast} ({mistake.seen}, not as others)", mistake.fix
+    )
+
+
+def _mistaken(
+    asis: float | None,
+    t: FloatArray,
+    poses: FloatArray,
+    commands: FloatArray,
+    cut: npt.NDArray[np.int64],
+    drive: Drive,
+    readings: Sequence[Reading],
+) -> Reading | None:
+    """The reading that explains rows which disagree as they stand, if one does."""
+    if asis is None or asis <= GOOD:
+        return None
     tried = [
         (d, m)
-        for m in mistakes(drive)
+        for m in readings
         if (d := _disagreement(t, poses, commands, cut, drive, m)) is not None
     ]
-    replayed = replay(t, commands, cut, np.zeros((len(cut) - 1, 3)), drive=drive).poses
     best, mistake = min(tried, key=lambda pair: pair[0], default=(1.0, Reading()))
-    if best <= GOOD and best <= BETTER * asis:
-        told, went = _rates(t, replayed, cut), _rates(t, poses, cut)
-        raise InputError(
-            "log",
-            f"commands of {told} and measured motion of {went} ({mistake.seen})",
-            mistake.fix,
-        )
+    return mistake if best <= GOOD and best <= BETTER * asis else None
+
+
+def _contrast(
+    t: FloatArray,
+    poses: FloatArray,
+    commands: FloatArray,
+    cut: npt.NDArray[np.int64],
+    drive: Drive,
+) -> str:
+    """What was commanded and what was measured."""
+    replayed = replay(t, commands, cut, np.zeros((len(cut) - 1, 3)), drive=drive).poses
+    told, went = _rates(t, replayed, cut), _rates(t, poses, cut)
+    return f"commands of {told} and measured motion of {went}"
 
 
 def _check_speed(commands: FloatArray, drive: Drive, fastest: float | None) -> None:
@@ -245,9 +320,9 @@ def _moves(poses: FloatArray, commands: FloatArray) -> _Moves | None:
     )
 
 
-def _sample(start: npt.NDArray[np.int64]) -> list[tuple[int, int]]:
+def _sample(start: npt.NDArray[np.int64], least: int = 50) -> list[tuple[int, int]]:
     """Row ranges from the start of every segment, about `SAMPLE` rows in all."""
-    each = max(int(SAMPLE / (len(start) - 1)), 50)
+    each = max(int(SAMPLE / (len(start) - 1)), least)
     ranges = [(int(a), int(min(b, a + each))) for a, b in pairwise(start)]
     return ranges[: max(1, SAMPLE // 50)]
 
@@ -289,12 +364,20 @@ def _disagreement(
     size = np.hypot(*went[:, :2].T) + np.hypot(*told[:, :2].T)
     turn = np.abs(wrapped(went[:, 2] - told[:, 2]))
     turned = np.abs(went[:, 2]) + np.abs(told[:, 2])
-    parts = [
-        float(np.median(np.minimum(off[moves] / total[moves], 1.0)))
-        for off, total, least in ((place, size, STILL[0]), (turn, turned, STILL[1]))
+    parts = {
+        name: float(np.median(np.minimum(off[moves] / total[moves], 1.0)))
+        for name, off, total, least in (
+            ("place", place, size, STILL[0]),
+            ("heading", turn, turned, STILL[1]),
+        )
         if (moves := total > max(least, float(np.median(total)))).sum() >= 5
-    ]
-    return max(parts) if parts else None
+    }
+    # a unit is not right because in it there is next to nothing left to disagree about
+    if reading.length != 1.0 and "place" not in parts:
+        return None
+    if abs(reading.angle) != 1.0 and "heading" not in parts:
+        return None
+    return max(parts.values()) if parts else None
 
 
 def _rates(t: FloatArray, poses: FloatArray, cut: npt.NDArray[np.int64]) -> str:

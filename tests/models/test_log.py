@@ -96,6 +96,58 @@ def test_a_mistake_of_units_is_seen_by_physics_and_named(seen, changes):
     assert seen.strip() in refusal(noisy(**changes))
 
 
+ALONE = ("millimetres", "centimetres", "yaw looks like degrees", "degrees per second", "metres per",
+         "revolutions", "steps")  # fmt: skip
+
+
+@pytest.mark.parametrize("seen", [name for name in UNITS if name.startswith(ALONE)])
+@pytest.mark.parametrize("robots", [2, 5])
+def test_a_mistake_of_units_in_one_robot_is_named_with_the_robot(seen, robots):
+    frame = driven_log(3, robots=robots, rows=800, position_noise=5e-4, heading_noise=5e-3)
+    rows = frame["robot"] == 1
+    for name, change in UNITS[seen].items():
+        frame.loc[rows, name] = change(frame.loc[rows, name])
+    said = refusal(frame.sort_values(["t", "robot"]))
+    assert said.startswith("robot 1 in run a: ")
+    assert seen.strip() in said
+
+
+@pytest.mark.parametrize(
+    "drive",
+    [
+        Drive(wheel_radius=(0.0103, 0.0205)),
+        Drive(latency=0.5),
+        Drive(dead_zone=(5.0, 5.0)),
+        Drive(speed_limit=(0.1, 0.1)),
+        Drive(speed_limit=(0.5, 0.5)),
+        Drive(speed_limit=(6.28, 0.05)),
+        Drive(axle=0.15),
+    ],
+)
+def test_one_robot_that_drives_badly_is_not_taken_for_one_in_other_units(drive):
+    healthy = driven_log(3, robots=4, rows=800, position_noise=5e-4, heading_noise=5e-3)
+    bad = driven_log(4, robots=1, rows=800, drive=drive, position_noise=5e-4, heading_noise=5e-3)
+    assert make_log(pd.concat([healthy, bad.assign(robot=9)]), drive=DRIVE).notes == ()
+
+
+def test_one_robot_that_turns_about_a_point_beside_its_own_is_not_taken_for_one_in_other_units():
+    frame = driven_log(3, robots=4, rows=800, position_noise=5e-4, heading_noise=5e-3)
+    rows = frame["robot"] == 2
+    turned = 2 * 0.0205 * 2.0 / 0.053 * frame.loc[rows, "t"]
+    frame.loc[rows, ["cmd_left", "cmd_right"]] = [-2.0, 2.0]
+    frame.loc[rows, "x"], frame.loc[rows, "y"] = 0.02 * np.cos(turned), 0.02 * np.sin(turned)
+    frame.loc[rows, "yaw"] = turned
+    assert make_log(frame, drive=DRIVE).notes == ()
+
+
+def test_one_robot_with_its_motors_swapped_is_not_taken_for_one_in_other_units():
+    frame = driven_log(3, robots=4, rows=800, position_noise=5e-4, heading_noise=5e-3)
+    rows = frame["robot"] == 2
+    pair = ["cmd_left", "cmd_right"]
+    frame.loc[rows, pair] = frame.loc[rows, pair[::-1]].to_numpy()
+    assert make_log(frame, drive=DRIVE).notes == ()
+
+
 def test_one_wrong_unit_throughout_is_seen_by_speeds_no_wheel_reaches():
     frame = noisy(x=lambda v: v * 1e3, y=lambda v: v * 1e3)
     left, right = frame.pop("cmd_left"), frame.pop("cmd_right")
