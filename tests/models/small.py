@@ -17,10 +17,12 @@ ROOT = Path(__file__).parents[2]
 
 def shared_data(name: str) -> Path:
     """A folder of real measured logs; the test is skipped where it is absent."""
-    base = Path(os.environ.get("REALITYGAP_DATA", ROOT.parent / "shared" / "data"))
-    if not (base / name).is_dir():
-        pytest.skip(f"needs the measured data {name} (set REALITYGAP_DATA)")
-    return base / name
+    said = os.environ.get("REALITYGAP_DATA")
+    folder = Path(said or ROOT.parent / "shared" / "data") / name
+    if not folder.is_dir():
+        state = f"REALITYGAP_DATA is {said}" if said else "REALITYGAP_DATA is not set"
+        pytest.skip(f"needs the measured data {name}: no folder {folder} ({state})")
+    return folder
 
 
 def tables() -> Tables:

@@ -61,3 +61,11 @@ def test_errors_per_horizon_agree_with_an_independent_dead_reckoning(session):
 def test_a_directory_of_something_else_is_refused(tmp_path):
     with pytest.raises(InputError, match="run-01"):
         read_optiodom(tmp_path, drive=load_model("optiodom", sensors="ignored").drive)
+
+
+def test_a_test_skipped_for_want_of_data_says_where_it_looked(tmp_path, monkeypatch):
+    monkeypatch.setenv("REALITYGAP_DATA", str(tmp_path))
+    with pytest.raises(pytest.skip.Exception) as skipped:
+        shared_data("optiodom")
+    assert "REALITYGAP_DATA" in str(skipped.value)
+    assert str(tmp_path / "optiodom") in str(skipped.value)
