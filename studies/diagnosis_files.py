@@ -87,7 +87,8 @@ def read_logs(paths: Sequence[Path], model: ModelFile) -> MeasuredLog:
         for k, table in enumerate(tables):
             run = table["run"].astype(str) if "run" in table else "run"
             tables[k] = table.assign(run=f"{k + 1}/" + run)
-    return make_log(pd.concat(tables, ignore_index=True), drive=model.point_model().drive)
+    nominal = model.model_copy(update={"extension": None}).motion().drive
+    return make_log(pd.concat(tables, ignore_index=True), drive=nominal)
 
 
 def write_extended(model: ModelFile, source: Path, named: Extension, out: Path) -> None:

@@ -3,9 +3,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from embedded_sim import Drive, InputError
+from models.extension import Extension, NamedCause, ParameterValue
 from models.log import write_table
 from models.modelfile import read_model_file
 from studies.diagnosis_files import Request, diagnose_files, read_logs, to_toml
@@ -49,6 +51,19 @@ def test_two_logs_are_one_log_of_two_runs(log: Path) -> None:
     both = read_logs((log, log), read_model_file("epuck"))
     assert both.segments["run"].nunique() == 2
     assert both.segments["robot"].nunique() == 1
+
+
+def test_body_commands_are_read_by_the_geometry_without_the_extension(tmp_path: Path) -> None:
+    frame = driven_log(3, robots=1, rows=700)
+    left, right = frame.pop("cmd_left"), frame.pop("cmd_right")
+    frame["cmd_v"] = 0.0205 * (left + right) / 2
+    frame["cmd_omega"] = 0.0205 * (right - left) / 0.053
+    write_table(frame, tmp_path / "log.csv")
+    value = ParameterValue(value=1.2)
+    cause = NamedCause(name="wheel_separation", parameters={"scale": value})
+    model = read_model_file("epuck").model_copy(update={"extension": Extension(causes=(cause,))})
+    commands = read_logs((tmp_path / "log.csv",), model).commands
+    assert np.allclose(commands, np.column_stack([left, right]))
 
 
 def test_a_missing_reference_is_refused(log: Path, tmp_path: Path) -> None:
