@@ -119,7 +119,8 @@ def _values(cause: SenseCause, coordinates: FloatArray, error: FloatArray) -> tu
     """Physical values with 95 % intervals."""
     told = []
     for p, u, e in zip(cause.parameters, coordinates, error, strict=True):
-        ends = (float(np.clip(u + side * NOMINAL * e, *p.bounds)) for side in (-1.0, 0.0, 1.0))
+        wide = float(np.hypot(e, p.doubt * abs(u)))
+        ends = (float(np.clip(u + side * NOMINAL * wide, *p.bounds)) for side in (-1.0, 0.0, 1.0))
         low, value, high = (p.value(end) for end in ends)
         told.append(Value(p.name, value, low, high, p.unit))
     return tuple(told)

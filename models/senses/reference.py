@@ -78,7 +78,7 @@ class SenseReference(_Strict):
     distance: float = 4.3
     """Standard deviations from health that a term must be."""
     margin: float = 1.3
-    """Times the farthest healthy robot, and the largest healthy gain."""
+    """Times the farthest healthy robot."""
     command: str = ""
 
     def base(self, believed: Belief) -> Belief:
@@ -95,14 +95,16 @@ class SenseReference(_Strict):
         return np.array(found.mean), np.array(found.sd)
 
     def gates(self, key: str, *, swarm: bool) -> tuple[float, float]:
-        """Gain and distance that a term needs."""
+        """Gain and distance that a term needs.
+
+        What the captured tables get wrong gains something in every long healthy log: it is the
+        distance that tells a fault from it.
+        """
         if key not in self.terms:
             return self.gain, self.distance
         found = self.terms[key]
-        gain, far = (
-            (found.swarm_gain, found.swarm_farthest) if swarm else (found.gain, found.farthest)
-        )
-        return max(self.gain, self.margin * gain), max(self.distance, self.margin * far)
+        far = found.swarm_farthest if swarm else found.farthest
+        return self.gain, max(self.distance, self.margin * far)
 
 
 def with_inherent(belief: Belief, coordinates: Mapping[str, float]) -> Belief:

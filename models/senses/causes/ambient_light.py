@@ -25,6 +25,7 @@ CAUSE = SenseCause(
             low=-0.6,
             high=10.0,
             step=0.005,
+            doubt=0.08,
         ),
     ),
     sense=_sense,

@@ -33,10 +33,16 @@ CAUSE = SenseCause(
     name="second_lamp",
     meaning="there is another source of light, as a window",
     parameters=(
-        Parameter(name="x", unit="m", null=0.0, low=-3.0, high=3.0, step=0.005),
-        Parameter(name="y", unit="m", null=0.0, low=-3.0, high=3.0, step=0.005),
+        Parameter(name="x", unit="m", null=0.0, low=-3.0, high=3.0, step=0.005, doubt=0.02),
+        Parameter(name="y", unit="m", null=0.0, low=-3.0, high=3.0, step=0.005, doubt=0.02),
         Parameter(
-            name="intensity", unit="share of the lamp", null=0.0, low=0.0, high=100.0, step=0.005
+            name="intensity",
+            unit="share of the lamp",
+            null=0.0,
+            low=0.0,
+            high=100.0,
+            step=0.005,
+            doubt=0.1,
         ),
     ),
     sense=_sense,
