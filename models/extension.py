@@ -108,6 +108,11 @@ class Extension(_Table):
     command: str = ""
     causes: tuple[NamedCause, ...] = ()
 
+    @property
+    def robots(self) -> list[int]:
+        """Robots that some cause concerns and others not, in order; empty: all are alike."""
+        return sorted({r for cause in self.causes if cause.robots != "all" for r in cause.robots})
+
     def applied(self, motion: Motion, robot: int | None) -> Motion:
         """The motion of a robot with every cause that concerns it."""
         for cause in self.causes:

@@ -172,17 +172,42 @@ def load_model(source: Path | str | None = None, *, sensors: Sensing = "required
             any; `ignored`: motion alone.
 
     Raises:
-        InputError: the file cannot be used, or its sensor tables are needed and cannot be read.
+        InputError: the file cannot be used, its sensor tables are needed and cannot be read, or
+            its extension does not concern all robots alike.
     """
+    model, tables = _read(source, sensors)
+    own = [] if model.extension is None else model.extension.robots
+    if own:
+        raise InputError("model", f"an extension of robots {own} alone", "one model for all robots")
+    return model.point_model(tables)
+
+
+def load_models(source: Path | str | None, robots: int) -> list[PointModel]:
+    """What each robot of a swarm believes, with sensors: one point model per robot.
+
+    Raises:
+        InputError: as `load_model`; or the file's extension names a robot that does not exist.
+    """
+    model, tables = _read(source, "required")
+    own = [] if model.extension is None else model.extension.robots
+    if own and own[-1] >= robots:
+        raise InputError("model", f"an extension of robot {own[-1]}", f"robots 0 to {robots - 1}")
+    if not own:
+        return [model.point_model(tables)] * robots
+    return [model.point_model(tables, robot=robot) for robot in range(robots)]
+
+
+def _read(source: Path | str | None, sensors: Sensing) -> tuple[ModelFile, Tables | None]:
+    """A model file and, where they are asked for, its captured tables."""
     path = find_model_file(source)
     model = read_model_file(path)
     if sensors == "ignored" or (sensors == "declared" and model.sensors is None):
-        return model.point_model()
+        return model, None
     if model.sensors is None:
         raise InputError(
             f"{path.name}: sensors", "nothing", 'a table [sensors] with tables = "..."'
         )
-    return model.point_model(load_tables(path.parent / model.sensors.tables))
+    return model, load_tables(path.parent / model.sensors.tables)
 
 
 def _first_problem(path: Path, error: ValidationError) -> InputError:

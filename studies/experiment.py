@@ -19,7 +19,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from embedded_sim import CONTROL_STEP, SCENARIOS, Behaviour
 from embedded_sim.onboard import Breeder, CoEvolution, Fixed, Swarm
 from embedded_sim.reading import Bounding, reading
-from models import load_model
+from models import load_models
 from reality import constants as k
 from reality.effects import parse_effects
 from reality.hardware import lamp_power
@@ -153,12 +153,13 @@ def run_name(config: RunConfig) -> str:
 def _breeder(config: RunConfig, behaviour: Behaviour, seed: np.random.SeedSequence) -> Breeder:
     if config.controller in FIXED_GENOMES:
         return Fixed(FIXED_GENOMES[config.controller])
-    model = load_model(config.model)
+    models = load_models(config.model, config.robots)
     if config.lamp_range is not None:  # a lab would capture its tables from this lamp
-        model = replace(model, lamp_gain=model.lamp_gain * _lamp_power(config) / k.LAMP_POWER)
+        brighter = _lamp_power(config) / k.LAMP_POWER
+        models = [replace(model, lamp_gain=model.lamp_gain * brighter) for model in models]
     return CoEvolution(
         seed.spawn(config.robots),
-        models=[model] * config.robots,
+        models=models,
         behaviour=behaviour,
         reading=reading(
             config.reading, environment_sd=config.environment_sd, bounding=config.bounding

@@ -14,7 +14,7 @@ from models.identify.fit import Term
 from models.identify.select import Evidence
 from models.identify.swarm import Named
 from models.identify.value import Value
-from models.modelfile import load_model, read_model_file
+from models.modelfile import find_model_file, load_models, read_model_file
 from models.reference import (
     Reference,
     Spread,
@@ -84,8 +84,6 @@ def test_the_json_says_what_for_whom_how_large_and_what_else() -> None:
 
 
 def test_an_extended_model_loads_and_holds_what_was_named(tmp_path: Path) -> None:
-    from models.modelfile import find_model_file
-
     source = find_model_file("epuck")
     minimal = read_model_file(source)
     found = extension(Diagnosis(named=(named(),)), log_hash="ab12", command='say "diagnose"')
@@ -94,12 +92,12 @@ def test_an_extended_model_loads_and_holds_what_was_named(tmp_path: Path) -> Non
     assert extended.extension == found
     assert extended.motion(3).drive.speed_limit == (4.5, math.inf)
     assert extended.motion(4) == minimal.motion(4)
-    assert load_model(tmp_path / "extended.toml").drive == minimal.point_model().drive
+    swarm = load_models(tmp_path / "extended.toml", 5)
+    assert swarm[3].drive == extended.motion(3).drive
+    assert swarm[4].drive == minimal.point_model().drive
 
 
 def test_a_second_extension_keeps_the_first(tmp_path: Path) -> None:
-    from models.modelfile import find_model_file
-
     source = find_model_file("epuck")
     found = extension(Diagnosis(named=(named(),)), log_hash="", command="")
     write_extended(read_model_file(source), source, found, tmp_path)

@@ -1,8 +1,10 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from embedded_sim import InputError, PointModel
-from models.modelfile import SHIPPED, load_model, read_model_file
+from models.modelfile import SHIPPED, find_model_file, load_model, load_models, read_model_file
 from models.tables import save_tables
 from tests.models.small import tables
 
@@ -83,3 +85,34 @@ def test_a_model_without_sensors_is_refused_where_sensors_are_needed():
     with pytest.raises(InputError, match="sensors"):
         load_model("create")
     assert load_model("create", sensors="declared").tables is None
+
+
+EXTENDED = """
+[[extension.causes]]
+name = "wheel_separation"
+robots = {robots}
+parameters = {{ scale = {{ value = 1.1 }} }}
+"""
+
+
+def extended(path: Path, robots: object) -> Path:
+    """The shipped e-puck with wider wheels in some robots."""
+    shipped = find_model_file("epuck")
+    text = shipped.read_text().replace("../captured", str(shipped.parents[1] / "captured"))
+    path.write_text(text + EXTENDED.format(robots=robots))
+    return path
+
+
+def test_each_robot_believes_what_the_extension_says_of_it(tmp_path: Path) -> None:
+    models = load_models(extended(tmp_path / "m.toml", [1, 3]), 4)
+    assert [m.drive.axle for m in models] == pytest.approx([0.053, 0.0583, 0.053, 0.0583])
+    alike = load_models(extended(tmp_path / "n.toml", '"all"'), 2)
+    assert [m.drive.axle for m in alike] == pytest.approx([0.0583, 0.0583])
+
+
+def test_an_extension_of_some_robots_is_never_taken_for_all_or_none(tmp_path: Path) -> None:
+    path = extended(tmp_path / "m.toml", [1, 3])
+    with pytest.raises(InputError, match="robots 0 to 2"):
+        load_models(path, 3)
+    with pytest.raises(InputError, match="one model for all robots"):
+        load_model(path)
