@@ -109,6 +109,11 @@ class ModelFile(_Table):
         minimal = Motion(drive=Drive(wheel_radius=(radius, radius), axle=axle))
         return minimal if self.extension is None else self.extension.applied(minimal, robot)
 
+    @property
+    def nominal_drive(self) -> Drive:
+        """The drive without any extension: by it a lab turns body commands into wheel speeds."""
+        return self.model_copy(update={"extension": None}).motion().drive
+
     def point_model(self, tables: Tables | None = None, *, robot: int | None = None) -> PointModel:
         """The constant model that C reads, with captured sensor tables or motion alone.
 

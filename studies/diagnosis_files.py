@@ -87,7 +87,7 @@ def read_logs(paths: Sequence[Path], model: ModelFile) -> MeasuredLog:
         for k, table in enumerate(tables):
             run = table["run"].astype(str) if "run" in table else "run"
             tables[k] = table.assign(run=f"{k + 1}/" + run)
-    nominal = model.model_copy(update={"extension": None}).motion().drive
+    nominal = model.nominal_drive
     return make_log(pd.concat(tables, ignore_index=True), drive=nominal)
 
 

@@ -130,7 +130,7 @@ def _record(task: tuple[int, int, Path]) -> Path:
 
 def _tracks(path: Path, model: str | None) -> Tracks:
     believed = read_model_file(model)
-    return cut_tracks(read_log(path, drive=believed.motion().drive), believed)
+    return cut_tracks(read_log(path, drive=believed.nominal_drive), believed)
 
 
 def _inherent(task: tuple[Path, str | None]) -> FloatArray:

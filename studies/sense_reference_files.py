@@ -51,7 +51,7 @@ def _sight(path: Path, model: str | None) -> Sight | None:
     """A log cut for the senses; None where it has none."""
     believed: ModelFile = read_model_file(find_model_file(model))
     point = load_model(model, sensors="declared")
-    log = read_log(path, drive=believed.motion().drive)
+    log = read_log(path, drive=believed.nominal_drive)
     return look(log, point) if sensors_to_judge(log, point) else None
 
 

@@ -46,7 +46,7 @@ def gap(
             report = write_coevolution(evolved, part)
     else:
         # commands are turned into wheel speeds as the lab does: an extension tells of the robots
-        nominal = file.model_copy(update={"extension": None}).motion().drive
+        nominal = file.nominal_drive
         measured = read_log(log, drive=nominal, fastest=file.robot.wheel_speed_max)
         found = measure_gap(measured, file, point, seed=seed)
         with whole_directory(out, force=force, holds=("gap.json",)) as part:

@@ -52,7 +52,7 @@ def import_(
     if out.suffix not in (".parquet", ".csv"):
         raise InputError("--out", out.name, "a file ending in .parquet or .csv")
     file = read_model_file(model or FORMATS[format_])
-    drive = file.model_copy(update={"extension": None}).motion().drive
+    drive = file.nominal_drive
     table = _read(format_, source, map_, drive)
     log = make_log(table, drive=drive, fastest=file.robot.wheel_speed_max)
     with whole_file(out, force=force) as part:
