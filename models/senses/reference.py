@@ -21,6 +21,9 @@ from models.senses.causes import sense_causes
 
 DIRECTORY = Path(__file__).parents[1] / "references" / "senses"
 SCHEMA = 1
+SWARM_MORE = 0.7
+"""Standard deviations more that a term of the whole swarm must be from health: fewer healthy swarms
+than robots were seen."""
 INHERENT = ("ir_offset", "lamp_intensity")
 """Terms that stand for what the captured tables leave out in every healthy robot: rounding at zero,
 and interpolation between the nodes."""
@@ -100,11 +103,12 @@ class SenseReference(_Strict):
         What the captured tables get wrong gains something in every long healthy log: it is the
         distance that tells a fault from it.
         """
+        least = self.distance + (SWARM_MORE if swarm else 0.0)
         if key not in self.terms:
-            return self.gain, self.distance
+            return self.gain, least
         found = self.terms[key]
         far = found.swarm_farthest if swarm else found.farthest
-        return self.gain, max(self.distance, self.margin * far)
+        return self.gain, max(least, self.margin * far)
 
 
 def with_inherent(belief: Belief, coordinates: Mapping[str, float]) -> Belief:

@@ -68,7 +68,7 @@ def choose(problem: Problem, reference: SenseReference) -> tuple[list[Found], Fi
         if not fits:
             break
         gains = {t: float((kept.held_out - f.held_out).sum()) for t, f in fits.items()}
-        best = max(gains, key=lambda t: gains[t])
+        best = _plainest(fits, max(gains, key=lambda t: gains[t]))
         kept = fits[best]
         tried[best] = gains
         kept = _needed(problem, kept, reference, best)
@@ -78,6 +78,19 @@ def choose(problem: Problem, reference: SenseReference) -> tuple[list[Found], Fi
     found = [_evidence(problem, kept, t, reference, tried.get(t, {})) for t in kept.terms]
     passed = [one for one in found if one is not None]
     return [one for one in passed if not _mends(one, passed)], kept
+
+
+def _plainest(fits: dict[Term, Fit], best: Term) -> Term:
+    """The term with fewest parameters among those that are not clearly worse than the best."""
+    close = [t for t, f in fits.items() if t == best or not _worse(f, fits[best])]
+    return min(close, key=lambda t: (t.size, t != best))
+
+
+def _worse(rival: Fit, kept: Fit) -> bool:
+    """Whether a rival is clearly worse on held-out blocks."""
+    lost = rival.held_out - kept.held_out
+    error = float(np.sqrt(np.sum((lost - lost.mean()) ** 2)))
+    return float(lost.sum()) >= max(MARGIN, MARGIN_ERRORS * error)
 
 
 def _one_more(problem: Problem, kept: Fit, reference: SenseReference) -> dict[Term, Fit]:
@@ -177,11 +190,11 @@ def _rivals(
     for other, gain in tried.items():
         if other == term or other in kept.terms or gain < RIVAL_SHARE * own:
             continue
+        if other.size > term.size:
+            continue  # one that can bend further is no rival for fitting as well
         start = np.concatenate([less.coordinates, _begin(problem, less, other)])
         fit = problem.fit((*less.terms, other), start)
-        lost = fit.held_out - kept.held_out
-        error = float(np.sqrt(np.sum((lost - lost.mean()) ** 2)))
-        if float(lost.sum()) < max(MARGIN, MARGIN_ERRORS * error):
+        if not _worse(fit, kept):
             found.append(other)
     return tuple(found)
 
