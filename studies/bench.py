@@ -94,16 +94,18 @@ def bare_stepping(minutes: float) -> float:
 
 
 def embedded(repeats: int = 7) -> float:
-    """ns per robot-step of the embedded simulator, phototaxis under light: everything at work."""
-    trials = 400
+    """ns per robot-step of the embedded simulator: all nine controllers under all three lamps."""
+    thirds = (0.1, 0.5, 0.9)
+    genomes = np.tile([(g0, g1) for g0 in thirds for g1 in thirds], (45, 1))
+    trials = len(genomes)
     random = np.random.default_rng(1)
-    genomes = np.tile([0.9, 0.5], (trials, 1))
     seeds = random.integers(0, 2**32, (trials, 4), dtype=np.uint32)
+    scenarios = np.arange(trials) // 9 % 3
     model, behaviour = load_model(), Behaviour()
     took = []
     for _ in range(repeats):
         began = time.perf_counter()
-        evaluate(genomes, np.full(trials, 2), seeds, model=model, behaviour=behaviour)
+        evaluate(genomes, scenarios, seeds, model=model, behaviour=behaviour)
         took.append(time.perf_counter() - began)
     return 1e9 * median(took) / trials / (60.0 / CONTROL_STEP)
 

@@ -65,7 +65,10 @@ static int rg_food_here(const rg_model *m, const rg_forager *f) {
     return found;
 }
 
-static void rg_sense(const rg_model *m, rg_forager *f, int scenario, double *ps, double *ls) {
+/* Everything the controller looks at. Nobody looks at light without a gene for phototaxis in the
+ * present Food state: the sensors then read dark, at no cost and with the same noise drawn. */
+static inline void rg_sense(const rg_model *m, rg_forager *f, int scenario, double *ps,
+                            double *ls) {
     const rg_tables *t = &m->tables;
     const double c = f->heading[0], s = f->heading[1];
     rg_ps(m, f->pose[0], f->pose[1], c, s, ps);
@@ -133,16 +136,21 @@ int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, in
     const double t_max = set->steps * m->control_step;
     for (int32_t trial = 0; trial < set->trials; trial++) {
         rg_forager f;
+        const int looks[2] = {rg_third(set->genomes[2 * trial]) != 1,
+                              rg_third(set->genomes[2 * trial + 1]) != 1};
         rg_start(m, &f, set->seeds + 4 * trial);
         double fitness = 0.0;
         int32_t deposits = 0;
         for (int32_t step = 0; step < set->steps; step++) {
             double ps[RG_SENSORS], ls[RG_SENSORS], command[2];
-            rg_sense(m, &f, set->scenarios[trial], ps, ls);
+            const double *genome = set->genomes + 2 * trial;
             const int32_t before = f.controller.food;
             const int item = before ? -1 : rg_food_here(m, &f);
-            rg_control(b, set->genomes + 2 * trial, &f.controller, ps, ls, item >= 0,
-                       rg_on_nest(m, f.pose[0], f.pose[1]), command);
+            const int on_nest = rg_on_nest(m, f.pose[0], f.pose[1]);
+            const int will_carry = before ? !on_nest : item >= 0;
+            const int scenario = looks[!will_carry] ? set->scenarios[trial] : RG_DARK;
+            rg_sense(m, &f, scenario, ps, ls);
+            rg_control(b, genome, &f.controller, ps, ls, item >= 0, on_nest, command);
             if (!before && f.controller.food) {
                 rg_place_food(m, &f, item);
             } else if (before && !f.controller.food) {

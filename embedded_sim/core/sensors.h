@@ -8,6 +8,7 @@
 #include "realitygap_core.h"
 #include "small.h"
 
+#define RG_DARK -1 /* scenario of light that nobody looks at */
 #define RG_TWO_PI 6.28318530717958647692
 
 /* Lower node and weight of the upper node, on a uniform axis of n nodes over [0, 1]. */
@@ -86,6 +87,8 @@ static inline void rg_ls(const rg_model *m, int scenario, double x, double y, do
                          double time, double *ls) {
     for (int k = 0; k < RG_SENSORS; k++)
         ls[k] = m->tables.ls_dark;
+    if (scenario == RG_DARK)
+        return;
     if (m->lamp_on[scenario]) {
         const double gain = m->lamp_gain * rg_max(1.0 - m->lamp_decay * time, 0.0);
         rg_lamp(m, m->lamp_x[scenario] - x, m->lamp_y[scenario] - y, gain, c, s, ls);
