@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from embedded_sim.genome import PAPER, Genome
 from embedded_sim.model import FloatArray
 from embedded_sim.reading import GENE_MAX, Reading
 
@@ -22,7 +23,11 @@ def random_genes(shape: tuple[int, ...], random: np.random.Generator) -> FloatAr
 
 
 def next_controllers(
-    genomes: FloatArray, fitness: FloatArray, reading: Reading, random: np.random.Generator
+    genomes: FloatArray,
+    fitness: FloatArray,
+    reading: Reading,
+    random: np.random.Generator,
+    genome: Genome = PAPER,
 ) -> FloatArray:
     """One steady-state generation of controllers: rank-based, elitist, no crossover.
 
@@ -30,18 +35,19 @@ def next_controllers(
     stay as they are. Equal fitness is ranked by position, earlier first.
 
     Args:
-        genomes: (10, 2).
+        genomes: (10, genes).
         fitness: (10,) s, in the embedded simulator.
         reading: Mutation s.d. and bounding rule.
         random: The robot's own stream.
+        genome: Which genes there are.
 
     Returns:
-        (10, 2), best first.
+        (10, genes), best first.
     """
     ranked = genomes[np.argsort(-fitness, kind="stable")]
     children = ranked[:OVERWRITTEN].copy()
     mutated = random.random(children.shape) < MUTATION_PROBABILITY
-    step = random.normal(0.0, reading.controller_sd, children.shape)
+    step = genome.mutation_sd(reading) * random.standard_normal(children.shape)
     ranked[-OVERWRITTEN:] = np.where(mutated, reading.bound(children + step), children)
     return ranked
 

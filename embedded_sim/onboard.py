@@ -1,4 +1,4 @@
-"""The on-board programs of a swarm: controllers, clocks, embedded simulators, what was heard.
+"""The on-board programs of a swarm: controllers, clocks, fitness, what was heard.
 
 One array per property with a row per robot; each robot still has its own clock and random streams.
 Between generations a control step is one call into C.
@@ -6,29 +6,23 @@ Between generations a control step is one call into C.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from embedded_sim._core import ffi, lib
 from embedded_sim.behaviour import Behaviour
-from embedded_sim.genetics import POPULATION, next_controllers, next_environment, random_genes
-from embedded_sim.model import CONTROL_STEP, FloatArray, PointModel
-from embedded_sim.reading import Reading
-from embedded_sim.simulator import TRIAL_SECONDS, evaluate
+from embedded_sim.breeding import Bred, Breeder
+from embedded_sim.genetics import POPULATION
+from embedded_sim.genome import CHOICES
+from embedded_sim.model import CONTROL_STEP, FloatArray
+from embedded_sim.simulator import TRIAL_SECONDS
 
 GENERATION_STEPS = round(60.0 / CONTROL_STEP)
 """Control steps of a generation: 60 s of a robot's own clock (III-H)."""
 
 Flags = npt.NDArray[np.uint8]
-
-
-def third(gene: float) -> int:
-    """Third of [0, 0.99] a gene lies in: 0, 1 or 2 (Figs. 4 and 5)."""
-    return int(lib.rg_third(gene))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +35,8 @@ class Generation:
     end_step: int
     s0: float
     """Of the pair broadcast; NaN for a fixed controller."""
-    genome: tuple[float, float]
+    genome: tuple[float, ...]
+    """G0, G1 and what continuous genes there are."""
     fitness_sim: float
     """s, of the running controller when it was bred; NaN for a fixed controller."""
     fitness_real: float
@@ -49,104 +44,6 @@ class Generation:
     deposits: int
     heard: int
     """Other robots whose pair was compared."""
-
-
-class Breeder(Protocol):
-    """Decides what a robot runs next when its generation closes."""
-
-    def start(self, robot: int) -> Bred:
-        """The robot's first controller."""
-
-    def breed(self, robot: int, pairs: FloatArray) -> Bred:
-        """The next one, from the S0:F_R pairs compared, its own first."""
-
-
-@dataclass(frozen=True)
-class Bred:
-    """A controller to run, and the S0 to broadcast meanwhile."""
-
-    genome: tuple[float, float]
-    s0: float
-    fitness_sim: float
-
-
-@dataclass(frozen=True)
-class Fixed:
-    """No evolution: every robot runs the same genome for ever."""
-
-    genome: tuple[float, float]
-
-    def start(self, robot: int) -> Bred:
-        """The fixed controller."""
-        return Bred(self.genome, float("nan"), float("nan"))
-
-    def breed(self, robot: int, pairs: FloatArray) -> Bred:
-        """The fixed controller."""
-        return self.start(robot)
-
-
-class CoEvolution:
-    """Controllers evolve in each robot's simulator, simulators across the swarm (III-G, III-H)."""
-
-    def __init__(
-        self,
-        seeds: Sequence[np.random.SeedSequence],
-        *,
-        models: Sequence[PointModel],
-        behaviour: Behaviour,
-        reading: Reading,
-        trials: int = 1,
-    ) -> None:
-        """Begin with random genes.
-
-        Args:
-            seeds: One per robot, for its evolution and its trials.
-            models: One per robot: what its simulator believes.
-            behaviour: The controller's constants.
-            reading: How the paper is read.
-            trials: 60 s trials a genome's fitness is the mean of.
-        """
-        self._random = [np.random.default_rng(seed) for seed in seeds]
-        self._models, self._behaviour = models, behaviour
-        self._reading, self._trials = reading, trials
-        self._s0 = [float(random_genes((1,), random)[0]) for random in self._random]
-        self._genomes = [random_genes((POPULATION, 2), random) for random in self._random]
-
-    def start(self, robot: int) -> Bred:
-        """Evaluate the initial population under the initial S0."""
-        return self._generation(robot)
-
-    def breed(self, robot: int, pairs: FloatArray) -> Bred:
-        """Evolve S0 and one generation of controllers.
-
-        By default S0 moves first and the controllers are bred under it, so the broadcast pair names
-        the S0 that made the running controller. Read literally, the controllers that finish now
-        were bred under the S0 of the generation that closes, and S0 moves afterwards.
-        """
-        evolved = next_environment(pairs, self._reading, self._random[robot])
-        if self._reading.pair_is_generator:
-            self._s0[robot] = evolved
-            return self._generation(robot)
-        bred = self._generation(robot)
-        self._s0[robot] = evolved
-        return Bred(bred.genome, evolved, bred.fitness_sim)
-
-    def _generation(self, robot: int) -> Bred:
-        """Evaluate ten genomes in one call into C; the best is what the robot runs."""
-        random, genomes, s0 = self._random[robot], self._genomes[robot], self._s0[robot]
-        total = POPULATION * self._trials
-        result = evaluate(
-            np.repeat(genomes, self._trials, axis=0),
-            np.full(total, third(s0), dtype=np.int32),
-            random.integers(0, 2**32, (total, 4), dtype=np.uint32),
-            model=self._models[robot],
-            behaviour=self._behaviour,
-        )
-        fitness = result.fitness.reshape(POPULATION, self._trials).mean(axis=1)
-        best = int(np.argmax(fitness))
-        bred = Bred((float(genomes[best, 0]), float(genomes[best, 1])), s0, float(fitness[best]))
-        self._genomes[robot] = next_controllers(genomes, fitness, self._reading, random)
-        return bred
 
 
 class Swarm:
@@ -180,7 +77,8 @@ class Swarm:
         """(robot, step, step of pick-up, generation) of every deposit."""
         self.generations: list[Generation] = []
         self.generation = np.full(robots, -1, dtype=np.int64)
-        self._genomes: FloatArray = np.zeros((robots, 2))
+        self._genomes: FloatArray = np.zeros((robots, CHOICES))
+        self._behaviours = ffi.new("rg_behaviour[]", [behaviour.struct[0]] * robots)
         self._bred: list[Bred] = [Bred((0.0, 0.0), 0.0, 0.0)] * robots
         self._opened = start_steps.astype(np.int64)
         self._due = start_steps.astype(np.int64)
@@ -213,7 +111,7 @@ class Swarm:
                 self._turn_over(robot, now)
             self._next_due = int(self._due.min())
         lib.rg_control_swarm(
-            self._behaviour.struct,
+            self._behaviours,
             self.robots,
             ffi.from_buffer("uint8_t[]", self.active),
             ffi.from_buffer("double[]", self._genomes),
@@ -256,7 +154,9 @@ class Swarm:
         else:
             self.active[robot] = 1
             bred = self._breeder.start(robot)
-        self._bred[robot], self._genomes[robot], self._s0[robot] = bred, bred.genome, bred.s0
+        self._bred[robot], self._s0[robot] = bred, bred.s0
+        self._genomes[robot] = bred.genome[:CHOICES]
+        self._behaviours[robot] = (bred.behaviour or self._behaviour).struct[0]
         self.generation[robot] += 1
         self._fitness[robot], self._count[robot] = 0.0, 0
         self._heard_step[robot] = -1  # the temporary population is cleared (III-H)

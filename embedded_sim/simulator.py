@@ -5,6 +5,7 @@ Python crosses into C once per batch. Arrays are C-contiguous float64 unless sai
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,7 +35,7 @@ def evaluate(
     seeds: npt.ArrayLike,
     *,
     model: PointModel,
-    behaviour: Behaviour,
+    behaviour: Behaviour | Sequence[Behaviour],
     seconds: float = TRIAL_SECONDS,
 ) -> Evaluation:
     """Forage once per trial, one simulated robot alone in the arena (paper, III-E).
@@ -44,7 +45,7 @@ def evaluate(
         scenarios: (trials,) index into `SCENARIOS`.
         seeds: (trials, 4) uint32, the trial's random stream.
         model: What the simulator believes.
-        behaviour: The controller's constants.
+        behaviour: The controller's constants, of all trials or (trials,).
         seconds: Length of a trial, T_max of eq. 1.
 
     Raises:
@@ -67,8 +68,14 @@ def evaluate(
     trial_set.seeds = _pointer("uint32_t[]", seed)
     trial_set.fitness = _pointer("double[]", result.fitness)
     trial_set.deposits = _pointer("int32_t[]", result.deposits)
+    shared = behaviour if isinstance(behaviour, Behaviour) else Behaviour()
+    if not isinstance(behaviour, Behaviour):
+        if len(behaviour) != trials:
+            raise ValueError(f"behaviour: got {len(behaviour)}, expected one or {trials}")
+        own = ffi.new("rg_behaviour[]", [each.struct[0] for each in behaviour])
+        trial_set.behaviours = own
     at = ffi.new("int32_t[2]")
-    status = lib.rg_evaluate(model.struct, behaviour.struct, trial_set, at)
+    status = lib.rg_evaluate(model.struct, shared.struct, trial_set, at)
     if status == lib.RG_BAD_ARGUMENT:
         most = (lib.RG_COMMAND_SLOTS - 2) * CONTROL_STEP
         raise ValueError(

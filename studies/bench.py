@@ -18,7 +18,8 @@ import numpy as np
 import typer
 
 from embedded_sim import CONTROL_STEP, Behaviour, evaluate
-from embedded_sim.onboard import CoEvolution, Swarm
+from embedded_sim.breeding import CoEvolution
+from embedded_sim.onboard import Swarm
 from models import load_model
 from reality.engine import Engine
 from reality.senses import Infrared, Light, Tracker

@@ -17,7 +17,9 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from embedded_sim import CONTROL_STEP, SCENARIOS, Behaviour
-from embedded_sim.onboard import Breeder, CoEvolution, Fixed, Swarm
+from embedded_sim.breeding import Breeder, CoEvolution, Fixed
+from embedded_sim.genome import GENOMES, PAPER, Genome
+from embedded_sim.onboard import Swarm
 from embedded_sim.reading import Bounding, reading
 from models import load_models
 from reality import constants as k
@@ -47,6 +49,8 @@ HALVES: dict[Case, tuple[int, int]] = {
 }
 """Lamp scenario in the first and second half of a run (paper, III-A, III-I)."""
 
+GenomeName = Literal["paper", "continuous"]
+
 Controller = Literal["coevolution", "search", "positive-phototaxis", "negative-phototaxis"]
 
 FIXED_GENOMES: dict[str, tuple[float, float]] = {
@@ -74,7 +78,8 @@ class RunConfig(BaseModel):
     """Model file on board; None: the shipped nominal e-puck."""
     reading: str = "default"
     trials: Annotated[int, Field(ge=1, le=1000)] = 1
-    genome: Literal["paper"] = "paper"
+    genome: GenomeName = "paper"
+    """What co-evolves of a controller; a fixed one has no genes that do."""
     samples: bool = True
     environment_sd: Annotated[float, Field(gt=0.0, le=10.0)] | None = None
     """s.d. of S0's mutation; None: as the reading has it."""
@@ -133,7 +138,7 @@ def simulate(
         ) as recorder:
             _loop(config, world, swarm, recorder, progress)
             messages = world.radio.messages
-            tables = recorder.finish(swarm)
+            tables = recorder.finish(swarm, _genome(config))
     finally:
         world.close()
     totals = {
@@ -165,7 +170,13 @@ def _breeder(config: RunConfig, behaviour: Behaviour, seed: np.random.SeedSequen
             config.reading, environment_sd=config.environment_sd, bounding=config.bounding
         ),
         trials=config.trials,
+        genome=_genome(config),
     )
+
+
+def _genome(config: RunConfig) -> Genome:
+    """What a robot's controllers are made of."""
+    return PAPER if config.controller in FIXED_GENOMES else GENOMES[config.genome]
 
 
 def _lamp_power(config: RunConfig) -> float:

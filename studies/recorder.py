@@ -13,7 +13,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from embedded_sim import CONTROL_STEP, SENSORS
-from embedded_sim.onboard import Swarm, third
+from embedded_sim.breeding import third
+from embedded_sim.genome import Genome
+from embedded_sim.onboard import Swarm
 
 if TYPE_CHECKING:
     from reality.world import World
@@ -115,11 +117,11 @@ class Recorder:
         if self._filled == CHUNK:
             self._flush()
 
-    def finish(self, swarm: Swarm) -> RunTables:
+    def finish(self, swarm: Swarm, genome: Genome) -> RunTables:
         """Write what is left and the two small tables."""
         if self._filled:
             self._flush()
-        tables = RunTables(self._generations(swarm), self._deposits(swarm))
+        tables = RunTables(self._generations(swarm, genome), self._deposits(swarm))
         tables.generations.to_parquet(self._out / "generations.parquet", index=False)
         tables.deposits.to_parquet(self._out / "deposits.parquet", index=False)
         return tables
@@ -143,9 +145,10 @@ class Recorder:
         )
         self._writer.write_table(pa.table(columns, schema=self._schema))
 
-    def _generations(self, swarm: Swarm) -> pd.DataFrame:
+    def _generations(self, swarm: Swarm, genome: Genome) -> pd.DataFrame:
         rows = sorted(swarm.generations, key=lambda g: (g.robot, g.generation))
         fixed = [np.isnan(g.s0) for g in rows]
+        constants = [genome.values(np.array(g.genome)) for g in rows]
         return pd.DataFrame(
             {
                 "run": pd.Series([self._run] * len(rows), dtype="str"),
@@ -165,6 +168,10 @@ class Recorder:
                 "fitness_real": np.array([g.fitness_real for g in rows], dtype=np.float64),
                 "deposits": np.array([g.deposits for g in rows], dtype=np.int32),
                 "heard": np.array([g.heard for g in rows], dtype=np.int32),
+                **{
+                    gene.name: np.array([values[gene.name] for values in constants])
+                    for gene in genome.continuous
+                },
             }
         )
 

@@ -8,9 +8,13 @@ from pydantic import ValidationError
 
 from embedded_sim.errors import InputError, nearest
 from embedded_sim.reading import reading as reading_by_name
-from studies.experiment import Case, Controller, RunConfig
+from studies.experiment import Case, Controller, GenomeName, RunConfig
 
-_WORDS = {"case": get_args(Case), "controller": get_args(Controller), "genome": ("paper",)}
+_WORDS = {
+    "case": get_args(Case),
+    "controller": get_args(Controller),
+    "genome": get_args(GenomeName),
+}
 
 
 def run_config(**values: Any) -> RunConfig:

@@ -107,7 +107,7 @@ void rg_control(const rg_behaviour *b, const double genome[2], rg_controller *c,
     command[1] = turn > 0.0 ? b->cruise_speed : inner;
 }
 
-void rg_control_swarm(const rg_behaviour *b, int32_t robots, const uint8_t *active,
+void rg_control_swarm(const rg_behaviour *behaviours, int32_t robots, const uint8_t *active,
                       const double *genomes, rg_controller *controllers, const double *ps,
                       const double *ls, const uint8_t *on_food, const uint8_t *on_nest,
                       double *commands, uint8_t *picked, uint8_t *dropped) {
@@ -118,8 +118,8 @@ void rg_control_swarm(const rg_behaviour *b, int32_t robots, const uint8_t *acti
             continue;
         rg_controller *c = &controllers[i];
         const int32_t before = c->food;
-        rg_control(b, genomes + 2 * i, c, ps + RG_SENSORS * i, ls + RG_SENSORS * i, on_food[i],
-                   on_nest[i], commands + 2 * i);
+        rg_control(&behaviours[i], genomes + 2 * i, c, ps + RG_SENSORS * i, ls + RG_SENSORS * i,
+                   on_food[i], on_nest[i], commands + 2 * i);
         picked[i] = (uint8_t)(!before && c->food);
         dropped[i] = (uint8_t)(before && !c->food);
     }

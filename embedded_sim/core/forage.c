@@ -136,6 +136,7 @@ int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, in
     const double t_max = set->steps * m->control_step;
     for (int32_t trial = 0; trial < set->trials; trial++) {
         rg_forager f;
+        const rg_behaviour *own = set->behaviours ? &set->behaviours[trial] : b;
         const int looks[2] = {rg_third(set->genomes[2 * trial]) != 1,
                               rg_third(set->genomes[2 * trial + 1]) != 1};
         rg_start(m, &f, set->seeds + 4 * trial);
@@ -150,7 +151,7 @@ int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, in
             const int will_carry = before ? !on_nest : item >= 0;
             const int scenario = looks[!will_carry] ? set->scenarios[trial] : RG_DARK;
             rg_sense(m, &f, scenario, ps, ls);
-            rg_control(b, genome, &f.controller, ps, ls, item >= 0, on_nest, command);
+            rg_control(own, genome, &f.controller, ps, ls, item >= 0, on_nest, command);
             if (!before && f.controller.food) {
                 rg_place_food(m, &f, item);
             } else if (before && !f.controller.food) {

@@ -81,8 +81,8 @@ typedef struct {
     double control_step;                 /* s */
 } rg_model;
 
-/* What the four behaviours are made of (III-F): constants of the controller, the same on the robot
- * and in its simulator. */
+/* What the four behaviours are made of (III-F): constants of the controller, or, with the
+ * continuous genome, its genes; the same on the robot and in its simulator. */
 typedef struct {
     double cruise_speed;       /* rad/s of the faster wheel while searching or following light */
     double avoid_threshold[8]; /* counts above which a sensor reports an obstacle; inf: not used */
@@ -125,11 +125,12 @@ typedef struct {
 typedef struct {
     int32_t steps; /* of control_step each */
     int32_t trials;
-    const double *genomes;    /* (trials, 2): G0, G1 */
-    const int32_t *scenarios; /* (trials,) 0, 1, 2 */
-    const uint32_t *seeds;    /* (trials, 4) */
-    double *fitness;          /* (trials,) s, eq. 1 */
-    int32_t *deposits;        /* (trials,) */
+    const double *genomes;          /* (trials, 2): G0, G1 */
+    const int32_t *scenarios;       /* (trials,) 0, 1, 2 */
+    const uint32_t *seeds;          /* (trials, 4) */
+    const rg_behaviour *behaviours; /* (trials,), or null: every trial has that of the call */
+    double *fitness;                /* (trials,) s, eq. 1 */
+    int32_t *deposits;              /* (trials,) */
 } rg_trials;
 
 /* third of [0, 0.99] a gene lies in: 0, 1, 2 (Figs. 4 and 5) */
@@ -139,9 +140,9 @@ int32_t rg_third(double gene);
 void rg_control(const rg_behaviour *b, const double genome[2], rg_controller *c, const double *ps,
                 const double *ls, int32_t on_food, int32_t on_nest, double *command);
 
-/* The same for a swarm in one call; arrays (robots, ...), inactive robots are commanded to stop.
- * picked and dropped are set to 1 where a robot's Food state changed. */
-void rg_control_swarm(const rg_behaviour *b, int32_t robots, const uint8_t *active,
+/* The same for a swarm in one call; arrays (robots, ...), behaviours too; inactive robots are
+ * commanded to stop. picked and dropped are set to 1 where a robot's Food state changed. */
+void rg_control_swarm(const rg_behaviour *behaviours, int32_t robots, const uint8_t *active,
                       const double *genomes, rg_controller *controllers, const double *ps,
                       const double *ls, const uint8_t *on_food, const uint8_t *on_nest,
                       double *commands, uint8_t *picked, uint8_t *dropped);

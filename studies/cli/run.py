@@ -42,7 +42,12 @@ def run(
         str, typer.Option(help="Of the paper: default, literal, neutral, reflect or wrap.")
     ] = "default",
     trials: Annotated[int, typer.Option(help="Embedded trials per genome.")] = 1,
-    genome: Annotated[str, typer.Option(help="paper: the two genes G0 and G1.")] = "paper",
+    genome: Annotated[
+        str,
+        typer.Option(
+            help="paper: the genes G0 and G1; continuous: also avoidance, phototaxis, search."
+        ),
+    ] = "paper",
     no_samples: Annotated[bool, typer.Option("--no-samples", help="No samples.parquet.")] = False,
     force: Force = False,
     quiet: Quiet = False,

@@ -15,7 +15,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from embedded_sim import SCENARIOS
-from embedded_sim.onboard import third
+from embedded_sim.breeding import third
 from studies.paper.conditions import PlannedRun
 from studies.paper.directory import StudyDirectory
 

@@ -87,13 +87,22 @@ static void evaluate(const rg_model *m, const rg_behaviour *b, int expected) {
         for (int k = 0; k < 4; k++)
             seeds[4 * i + k] = i == 0 ? 0u : (uint32_t)(4 * i + k) * 2654435761u;
     }
-    rg_trials set = {STEPS, TRIALS, genomes, scenarios, seeds, fitness, deposits};
-    const int status = rg_evaluate(m, b, &set, at);
-    if (status != expected)
-        fail("evaluate", status);
-    for (int i = 0; status == RG_OK && i < TRIALS; i++)
-        if (!(fitness[i] >= 0.0 && fitness[i] <= 60.0 * STEPS))
-            fail("fitness", i);
+    rg_behaviour own[TRIALS];
+    for (int i = 0; i < TRIALS; i++) {
+        own[i] = *b;
+        own[i].cruise_speed = 1.0 + 0.2 * i;
+        own[i].search_curvature = 0.1 * i;
+    }
+    rg_trials set = {STEPS, TRIALS, genomes, scenarios, seeds, own, fitness, deposits};
+    for (int pass = 0; pass < 2; pass++) {
+        set.behaviours = pass ? own : NULL;
+        const int status = rg_evaluate(m, b, &set, at);
+        if (status != expected)
+            fail("evaluate", status);
+        for (int i = 0; status == RG_OK && i < TRIALS; i++)
+            if (!(fitness[i] >= 0.0 && fitness[i] <= 60.0 * STEPS))
+                fail("fitness", i);
+    }
 }
 
 static void replay(const rg_model *m) {
@@ -132,11 +141,13 @@ static void replay(const rg_model *m) {
 static void swarm(const rg_behaviour *b) {
     enum { ROBOTS = 5 };
     rg_controller controllers[ROBOTS];
+    rg_behaviour own[ROBOTS];
     const uint32_t seed[4] = {1, 2, 3, 4};
     double genomes[2 * ROBOTS], ps[8 * ROBOTS] = {0}, ls[8 * ROBOTS] = {0}, commands[2 * ROBOTS];
     uint8_t active[ROBOTS], food[ROBOTS], nest[ROBOTS], picked[ROBOTS], dropped[ROBOTS];
     for (int i = 0; i < ROBOTS; i++) {
         rg_controller_start(&controllers[i], seed);
+        own[i] = *b;
         genomes[2 * i] = genomes[2 * i + 1] = 0.2 * i;
         active[i] = i > 0;
     }
@@ -147,7 +158,7 @@ static void swarm(const rg_behaviour *b) {
             ls[8 * i + step % 8] = step;
             ps[8 * i + step % 8] = step % 50 == 0 ? 1e4 : 0.0;
         }
-        rg_control_swarm(b, ROBOTS, active, genomes, controllers, ps, ls, food, nest, commands,
+        rg_control_swarm(own, ROBOTS, active, genomes, controllers, ps, ls, food, nest, commands,
                          picked, dropped);
     }
 }

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from embedded_sim import Behaviour
+from embedded_sim.breeding import Bred, CoEvolution, Fixed
 from embedded_sim.model import FloatArray
-from embedded_sim.onboard import GENERATION_STEPS, Bred, CoEvolution, Fixed, Swarm
+from embedded_sim.onboard import GENERATION_STEPS, Swarm
 from embedded_sim.reading import READINGS
 from models import load_model
 

@@ -15,6 +15,7 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
+from embedded_sim.genome import CONTINUOUS
 from reality import constants as k
 from studies.experiment import RunConfig, simulate
 from tests.helpers import COMMAND, ROOT, realitygap
@@ -61,6 +62,16 @@ def test_a_run_writes_the_tables_the_contract_names(finished: Path) -> None:
     assert samples.groupby("robot")["t"].apply(lambda t: np.allclose(np.diff(t), 0.04)).all()
     assert set(samples["case"]) == {"light-at-nest"}
     assert pq.read_schema(finished / "samples.parquet").field("yaw").metadata == {b"unit": b"rad"}
+
+
+def test_the_continuous_genome_adds_its_constants_to_the_generations(tmp_path: Path) -> None:
+    out = run(tmp_path / "run", minutes=1.2, genome="continuous", samples=False)
+    generations = pd.read_parquet(out / "generations.parquet")
+    added = list(generations.columns[14:])
+    assert added == [gene.name for gene in CONTINUOUS.continuous]
+    for gene in CONTINUOUS.continuous:
+        assert generations[gene.name].between(gene.low, gene.high).all()
+    assert generations["cruise_speed"].nunique() > 4
 
 
 def test_fitness_in_reality_follows_from_the_deposits_alone(finished: Path) -> None:

@@ -1,0 +1,130 @@
+"""How a robot comes by its next controller: co-evolution on board (III-G, III-H), or fixed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from embedded_sim._core import lib
+from embedded_sim.behaviour import Behaviour
+from embedded_sim.genetics import POPULATION, next_controllers, next_environment, random_genes
+from embedded_sim.genome import CHOICES, PAPER, Genome
+from embedded_sim.model import FloatArray, PointModel
+from embedded_sim.reading import Reading
+from embedded_sim.simulator import evaluate
+
+
+def third(gene: float) -> int:
+    """Third of [0, 0.99] a gene lies in: 0, 1 or 2 (Figs. 4 and 5)."""
+    return int(lib.rg_third(gene))
+
+
+class Breeder(Protocol):
+    """Decides what a robot runs next when its generation closes."""
+
+    def start(self, robot: int) -> Bred:
+        """The robot's first controller."""
+
+    def breed(self, robot: int, pairs: FloatArray) -> Bred:
+        """The next one, from the S0:F_R pairs compared, its own first."""
+
+
+@dataclass(frozen=True)
+class Bred:
+    """A controller to run, and the S0 to broadcast meanwhile."""
+
+    genome: tuple[float, ...]
+    s0: float
+    fitness_sim: float
+    behaviour: Behaviour | None = None
+    """The controller's own constants; None: the swarm's."""
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """No evolution: every robot runs the same genome for ever."""
+
+    genome: tuple[float, float]
+
+    def start(self, robot: int) -> Bred:
+        """The fixed controller."""
+        return Bred(self.genome, float("nan"), float("nan"))
+
+    def breed(self, robot: int, pairs: FloatArray) -> Bred:
+        """The fixed controller."""
+        return self.start(robot)
+
+
+class CoEvolution:
+    """Controllers evolve in each robot's simulator, simulators across the swarm (III-G, III-H)."""
+
+    def __init__(
+        self,
+        seeds: Sequence[np.random.SeedSequence],
+        *,
+        models: Sequence[PointModel],
+        behaviour: Behaviour,
+        reading: Reading,
+        trials: int = 1,
+        genome: Genome = PAPER,
+    ) -> None:
+        """Begin with random genes.
+
+        Args:
+            seeds: One per robot, for its evolution and its trials.
+            models: One per robot: what its simulator believes.
+            behaviour: The controller's constants.
+            reading: How the paper is read.
+            trials: 60 s trials a genome's fitness is the mean of.
+            genome: Which genes a controller has.
+        """
+        self._random = [np.random.default_rng(seed) for seed in seeds]
+        self._models, self._behaviour = models, behaviour
+        self._reading, self._trials, self._genome = reading, trials, genome
+        self._s0 = [float(random_genes((1,), random)[0]) for random in self._random]
+        shape = (POPULATION, genome.genes)
+        self._genomes = [random_genes(shape, random) for random in self._random]
+
+    def start(self, robot: int) -> Bred:
+        """Evaluate the initial population under the initial S0."""
+        return self._generation(robot)
+
+    def breed(self, robot: int, pairs: FloatArray) -> Bred:
+        """Evolve S0 and one generation of controllers.
+
+        By default S0 moves first and the controllers are bred under it, so the broadcast pair names
+        the S0 that made the running controller. Read literally, the controllers that finish now
+        were bred under the S0 of the generation that closes, and S0 moves afterwards.
+        """
+        evolved = next_environment(pairs, self._reading, self._random[robot])
+        if self._reading.pair_is_generator:
+            self._s0[robot] = evolved
+            return self._generation(robot)
+        bred = self._generation(robot)
+        self._s0[robot] = evolved
+        return replace(bred, s0=evolved)
+
+    def _generation(self, robot: int) -> Bred:
+        """Evaluate ten genomes in one call into C; the best is what the robot runs."""
+        random, genomes, s0 = self._random[robot], self._genomes[robot], self._s0[robot]
+        total = POPULATION * self._trials
+        behaviours = [self._genome.behaviour(genes, self._behaviour) for genes in genomes]
+        result = evaluate(
+            np.repeat(genomes[:, :CHOICES], self._trials, axis=0),
+            np.full(total, third(s0), dtype=np.int32),
+            random.integers(0, 2**32, (total, 4), dtype=np.uint32),
+            model=self._models[robot],
+            behaviour=[own for own in behaviours for _ in range(self._trials)]
+            if self._genome.continuous
+            else self._behaviour,
+        )
+        fitness = result.fitness.reshape(POPULATION, self._trials).mean(axis=1)
+        best = int(np.argmax(fitness))
+        bred = Bred(tuple(genomes[best].tolist()), s0, float(fitness[best]), behaviours[best])
+        self._genomes[robot] = next_controllers(
+            genomes, fitness, self._reading, random, self._genome
+        )
+        return bred
