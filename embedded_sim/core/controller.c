@@ -9,6 +9,7 @@
 #include "random.h"
 #include "realitygap_core.h"
 #include "small.h"
+#include "trig.h"
 
 int32_t rg_third(double gene) { return gene < 0.33 ? 0 : gene < 0.66 ? 1 : 2; }
 
@@ -64,6 +65,11 @@ static double rg_search(const rg_behaviour *b, rg_controller *c) {
     return c->search_turn;
 }
 
+/* Sum of eight, by halves. */
+static double rg_sum(const double *x) {
+    return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
+}
+
 /* Bearing of the light (rad from forward) from the sensors' readings, or 0 and *seen = 0. */
 static double rg_light_bearing(const rg_behaviour *b, const double *ls, int *seen) {
     double dark = ls[0], bright = ls[0];
@@ -74,12 +80,12 @@ static double rg_light_bearing(const rg_behaviour *b, const double *ls, int *see
     *seen = dark - bright >= b->light_contrast;
     if (!*seen)
         return 0.0;
-    double forward = 0.0, leftward = 0.0;
+    double forward[RG_SENSORS], leftward[RG_SENSORS];
     for (int k = 0; k < RG_SENSORS; k++) {
-        forward += (dark - ls[k]) * b->sensor_cos[k];
-        leftward += (dark - ls[k]) * b->sensor_sin[k];
+        forward[k] = (dark - ls[k]) * b->sensor_cos[k];
+        leftward[k] = (dark - ls[k]) * b->sensor_sin[k];
     }
-    return atan2(leftward, forward);
+    return rg_angle(rg_sum(leftward), rg_sum(forward));
 }
 
 void rg_control(const rg_behaviour *b, const double genome[2], rg_controller *c, const double *ps,

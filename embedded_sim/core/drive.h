@@ -6,6 +6,7 @@
 
 #include "realitygap_core.h"
 #include "small.h"
+#include "trig.h"
 
 /* Angle (rad) wheel `side` turns in h seconds towards a delivered command, advancing its speed.
  * Chain: dead zone, saturation, droop, then a first-order lag whose change of speed is limited,
@@ -32,7 +33,7 @@ static inline double rg_wheel_advance(const rg_drive *d, int side, double *speed
             away = step - change;
             rest = h - ramp;
         }
-        const double left = exp(-rest / d->time_constant);
+        const double left = rg_decay(rest / d->time_constant);
         end = target - away * left;
         turned += target * rest - away * d->time_constant * (1.0 - left);
     } else if (fabs(step) > d->acceleration[side] * h) {
@@ -54,10 +55,10 @@ static inline void rg_arc(const rg_drive *d, double left, double right, double *
     const double sr = d->wheel_radius[1] * right;
     const double turn = (sr - sl) / d->axle;
     const double half = 0.5 * turn;
-    const double sine = sin(half), cosine = cos(half);
-    /* chord of an arc: length * sin(half) / half; its series below 1e-4 rad is exact to 1e-18 */
-    const double ratio = fabs(half) < 1e-4 ? 1.0 - half * half / 6.0 : sine / half;
-    const double chord = 0.5 * (sl + sr) * ratio;
+    double sinc, cosine; /* the chord of an arc is its length * sin(half) / half */
+    rg_turn(half, &sinc, &cosine);
+    const double sine = half * sinc;
+    const double chord = 0.5 * (sl + sr) * sinc;
     const double c = heading[0], s = heading[1];
     pose[0] += chord * (c * cosine - s * sine);
     pose[1] += chord * (s * cosine + c * sine);

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "drive.h"
+#include "noise.h"
 #include "random.h"
 #include "realitygap_core.h"
 #include "sensors.h"
@@ -13,7 +14,7 @@ typedef struct {
     double heading[2]; /* cosine and sine of yaw */
     rg_motors motors;
     rg_controller controller;
-    rg_random random; /* places and noise; the controller has its own stream */
+    rg_random random; /* places; the controller has its own stream, and noise goes by counter */
     double food_x[RG_FOOD_MAX], food_y[RG_FOOD_MAX];
 } rg_forager;
 
@@ -66,21 +67,19 @@ static int rg_food_here(const rg_model *m, const rg_forager *f) {
 }
 
 /* Everything the controller looks at. Nobody looks at light without a gene for phototaxis in the
- * present Food state: the sensors then read dark, at no cost and with the same noise drawn. */
-static inline void rg_sense(const rg_model *m, rg_forager *f, int scenario, double *ps,
-                            double *ls) {
+ * present Food state: the sensors then read dark, at no cost. */
+static inline void rg_sense(const rg_model *m, const rg_forager *f, const uint32_t seed[4],
+                            uint32_t step, int scenario, double *ps, double *ls) {
     const rg_tables *t = &m->tables;
     const double c = f->heading[0], s = f->heading[1];
     rg_ps(m, f->pose[0], f->pose[1], c, s, ps);
     rg_ls(m, scenario, f->pose[0], f->pose[1], c, s, f->motors.time, ls);
-    uint32_t bits[RG_SENSORS]; /* two 16-bit uniforms each: enough for a 12-bit converter */
-    for (int k = 0; k < RG_SENSORS; k++)
-        bits[k] = rg_next(&f->random);
+    double near_noise[RG_SENSORS], light_noise[RG_SENSORS];
+    rg_noise(seed, step, RG_NOISE_PS, near_noise);
+    rg_noise(seed, step, RG_NOISE_LS, light_noise);
     for (int k = 0; k < RG_SENSORS; k++) {
-        const double a = (double)(int16_t)(bits[k] >> 16) * 0x1p-15;
-        const double b = (double)(int16_t)(bits[k] & 0xffffu) * 0x1p-15;
-        const double near = ps[k] + (t->ps_noise[k] * ps[k] + t->ps_noise_floor) * a;
-        const double light = ls[k] + t->ls_noise * b;
+        const double near = ps[k] + (t->ps_noise[k] * ps[k] + t->ps_noise_floor) * near_noise[k];
+        const double light = ls[k] + t->ls_noise * light_noise[k];
         ps[k] = rg_clip(near, 0.0, t->counts_max);
         ls[k] = rg_clip(light, 0.0, t->counts_max);
     }
@@ -150,7 +149,7 @@ int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, in
             const int on_nest = rg_on_nest(m, f.pose[0], f.pose[1]);
             const int will_carry = before ? !on_nest : item >= 0;
             const int scenario = looks[!will_carry] ? set->scenarios[trial] : RG_DARK;
-            rg_sense(m, &f, scenario, ps, ls);
+            rg_sense(m, &f, set->seeds + 4 * trial, (uint32_t)step, scenario, ps, ls);
             rg_control(own, genome, &f.controller, ps, ls, item >= 0, on_nest, command);
             if (!before && f.controller.food) {
                 rg_place_food(m, &f, item);

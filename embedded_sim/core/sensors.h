@@ -7,6 +7,7 @@
 
 #include "realitygap_core.h"
 #include "small.h"
+#include "trig.h"
 
 #define RG_DARK -1 /* scenario of light that nobody looks at */
 #define RG_TWO_PI 6.28318530717958647692
@@ -63,7 +64,7 @@ static inline void rg_ps(const rg_model *m, double x, double y, double c, double
 static inline void rg_lamp(const rg_model *m, double dx, double dy, double gain, double c, double s,
                            double *ls) {
     const rg_tables *t = &m->tables;
-    const double bearing = atan2(c * dy - s * dx, c * dx + s * dy);
+    const double bearing = rg_clip(rg_angle(c * dy - s * dx, c * dx + s * dy), -RG_PI, RG_PI);
     double wd;
     const int i = rg_node(sqrt(sqrt(dx * dx + dy * dy) / t->ls_range), t->ls_distances, &wd);
     const int around = 3 * t->ls_bearings + 1;
