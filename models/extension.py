@@ -17,16 +17,35 @@ limit = { value = 4.5, low = 4.4, high = 4.6, unit = "rad/s" }
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import math
+from collections.abc import Collection
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    field_validator,
+    model_validator,
+)
 
-from embedded_sim.errors import nearest
+from embedded_sim.errors import InputError, nearest
 from embedded_sim.model import FloatArray
 from models.catalogue import every_cause
-from models.causes import ALL, Cause, Motion
+from models.causes import ALL, Cause, Motion, Parameter
 from models.senses.cause import Belief, SenseCause
+
+ROBOTS = 'robot numbers from 0, as in [3] or [1, 4], or "all"'
+
+
+class Refused(ValueError):
+    """A value of an extension that cannot be used: which key, what was there, what is valid."""
+
+    def __init__(self, field: str, got: object, expected: str) -> None:
+        self.field, self.got, self.expected = field, got, expected
+        super().__init__(f"{field}: got {got}, expected {expected}")
 
 
 class _Table(BaseModel):
@@ -36,10 +55,25 @@ class _Table(BaseModel):
 class ParameterValue(_Table):
     """A value with its 95 % interval."""
 
-    value: Annotated[float, Field(allow_inf_nan=False)]
-    low: Annotated[float, Field(allow_inf_nan=False)] | None = None
-    high: Annotated[float, Field(allow_inf_nan=False)] | None = None
+    value: Annotated[float, Field(strict=True)]
+    low: Annotated[float, Field(strict=True, allow_inf_nan=False)] | None = None
+    high: Annotated[float, Field(strict=True, allow_inf_nan=False)] | None = None
     unit: str = ""
+    """As the catalogue has it; may be left out."""
+
+    def check(self, parameter: Parameter) -> None:
+        """Refuse a value that the catalogue's parameter cannot have."""
+        name, value = parameter.name, self.value
+        within = parameter.low <= value <= parameter.high  # false for NaN
+        if not within and value != parameter.null:
+            expected = f"a number from {parameter.low:g} to {parameter.high:g} {parameter.unit}"
+            if math.isinf(parameter.null):
+                expected += f", or {parameter.null:g}, which changes nothing"
+            raise Refused(name, f"{value:g}", expected)
+        if self.unit not in ("", parameter.unit):
+            raise Refused(f"{name}.unit", repr(self.unit), f"{parameter.unit!r}, or no unit")
+        if self.low is not None and self.high is not None and self.low > self.high:
+            raise Refused(f"{name}.low", f"{self.low:g}", f"at most high, {self.high:g}")
 
 
 class NamedCause(_Table):
@@ -56,29 +90,46 @@ class NamedCause(_Table):
         """The catalogue's entry."""
         return every_cause()[self.name]
 
+    @field_validator("robots", mode="before")
+    @classmethod
+    def _numbers(cls, robots: Any) -> Any:
+        """Refuse what names no robots."""
+        if robots == "all":
+            return robots
+        if isinstance(robots, str) or not isinstance(robots, Collection) or not robots:
+            raise Refused("", repr(robots), ROBOTS)
+        for robot in robots:
+            if isinstance(robot, bool) or not isinstance(robot, int) or robot < 0:
+                raise Refused("", repr(robot), ROBOTS)
+        if len(set(robots)) < len(robots):
+            raise Refused("", repr(robots), "each robot once")
+        return robots
+
     @model_validator(mode="after")
     def _known(self) -> NamedCause:
         """Refuse names, words, parameters and values that the catalogue does not have."""
         if self.name not in every_cause():
-            raise ValueError(f"{self.name!r} is no cause: {nearest(self.name, every_cause())}")
+            raise Refused("name", repr(self.name), nearest(self.name, every_cause()))
         cause = self.cause
         if self.word not in cause.variants:
-            raise ValueError(
-                f"{self.name}: word {self.word!r}: {nearest(self.word, cause.variants)}"
-            )
+            words = nearest(self.word, cause.variants) if cause.word else "no word"
+            raise Refused("word", repr(self.word), f"{words}, for {self.name}")
+        if isinstance(cause, SenseCause) and cause.place and self.robots != "all":
+            expected = f'"all": {self.name} belongs to the place'
+            raise Refused("robots", list(self.robots), expected)
         names = [p.name for p in cause.parameters]
         for name in self.parameters:
             if name not in names:
-                raise ValueError(f"{self.name}: parameter {name!r}: {nearest(name, names)}")
+                valid = nearest(name, names) if names else f"no parameters for {self.name}"
+                raise Refused("parameters", repr(name), valid)
         for p in cause.parameters:
             if p.name not in self.parameters:
-                raise ValueError(f"{self.name}: no {p.name} ({p.unit})")
-            value = self.parameters[p.name].value
-            if not p.low <= value <= p.high:
-                raise ValueError(
-                    f"{self.name}: {p.name} {value:g} is not within "
-                    f"{p.low:g} to {p.high:g} {p.unit}"
-                )
+                raise Refused(f"parameters.{p.name}", "nothing", f"a value ({p.unit})")
+            try:
+                self.parameters[p.name].check(p)
+            except Refused as error:
+                field = f"parameters.{error.field}"
+                raise Refused(field, error.got, error.expected) from None
         return self
 
     def concerns(self, robot: int | None) -> bool:
@@ -113,6 +164,23 @@ class Extension(_Table):
         """Robots that some cause concerns and others not, in order; empty: all are alike."""
         return sorted({r for cause in self.causes if cause.robots != "all" for r in cause.robots})
 
+    def check_robots(self, known: Collection[int], file: str) -> None:
+        """Refuse robots that do not exist.
+
+        Args:
+            known: Robots that do.
+            file: What to call the file.
+
+        Raises:
+            InputError: the first cause and robot.
+        """
+        for index, cause in enumerate(self.causes):
+            for robot in () if cause.robots == "all" else cause.robots:
+                if robot not in known:
+                    field = f"{file}: extension.causes.{index}.robots"
+                    listed = [str(k) for k in sorted(known)]
+                    raise InputError(field, robot, f"a robot: {nearest(str(robot), listed)}")
+
     def applied(self, motion: Motion, robot: int | None) -> Motion:
         """The motion of a robot with every cause that concerns it."""
         for cause in self.causes:
@@ -129,4 +197,4 @@ class Extension(_Table):
         return belief
 
 
-__all__ = ["Extension", "NamedCause", "ParameterValue", "ValidationError"]
+__all__ = ["Extension", "NamedCause", "ParameterValue", "Refused", "ValidationError"]

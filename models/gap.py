@@ -8,6 +8,8 @@ import numpy as np
 import pandas as pd
 
 from embedded_sim import InputError, PointModel
+from models.believed import motions, own_models, replay_believed
+from models.causes import Motion
 from models.conditions import Bins, conditions
 from models.flips import Map
 from models.horizons import horizon_errors
@@ -15,7 +17,7 @@ from models.log import MeasuredLog
 from models.modelfile import ModelFile
 from models.motion_gap import MotionGap, condition_bins, motion_gap
 from models.noise import PoseNoise, pose_noise
-from models.replay import CHANNELS, HORIZONS, replay_log
+from models.replay import CHANNELS, HORIZONS
 from models.robots import Odd, odd_robots
 from models.schema import LS, PS
 from models.sensing import scenarios
@@ -80,19 +82,24 @@ class Gap:
         ]
 
 
-def measure_gap(log: MeasuredLog, file: ModelFile, model: PointModel, *, seed: int = 0) -> Gap:
-    """Replay a log through a model and judge what is left.
+def measure_gap(
+    log: MeasuredLog, file: ModelFile, model: PointModel, *, seed: int = 0, name: str = "model"
+) -> Gap:
+    """Replay a log through a model, each robot through its own, and judge what is left.
 
     Args:
         log: The measured log.
         file: The model file.
-        model: Its point model; without sensor tables only motion is judged.
+        model: The point model that all robots have; without sensor tables only motion is judged.
         seed: Of the random turns and deals of the tests.
+        name: What to call the file in an error.
 
     Raises:
-        InputError: no step of the log can be replayed.
+        InputError: no step of the log can be replayed, or the file's extension concerns a robot
+            that the log does not have.
     """
-    replayed = replay_log(log, model.drive)
+    believed = motions(log, file, name)
+    replayed = replay_believed(log, believed)
     noise = pose_noise(log, replayed)
     horizons = horizon_errors(log, replayed, noise)
     if horizons.empty:
@@ -102,7 +109,18 @@ def measure_gap(log: MeasuredLog, file: ModelFile, model: PointModel, *, seed: i
     kinds = sensors_to_judge(log, model)
     family = len(HORIZONS) + len(kinds)
     motion = motion_gap(log, replayed, noise, table, for_motion, family=family)
-    sensors = sensor_gap(log, model, replayed, noise, table, for_sensors, family=family)
+    true = Motion(drive=file.nominal_drive)
+    sensors = sensor_gap(
+        log,
+        model,
+        replayed,
+        noise,
+        table,
+        for_sensors,
+        family=family,
+        own=own_models(log, file, model.tables),
+        seen={robot: (true, motion) for robot, motion in believed.items()},
+    )
     return Gap(
         noise=noise,
         horizons=horizons,

@@ -16,7 +16,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from embedded_sim import Drive, InputError, PointModel, Tables
 from embedded_sim.errors import nearest
 from models.causes import Motion
-from models.extension import Extension
+from models.extension import Extension, Refused
 from models.tables import load_tables
 
 ROBOTS = Path(__file__).parent / "robots"
@@ -187,6 +187,12 @@ def load_model(source: Path | str | None = None, *, sensors: Sensing = "required
     return model.point_model(tables)
 
 
+def load_common(source: Path | str | None = None, *, sensors: Sensing = "required") -> PointModel:
+    """As `load_model`, of a file whose extension may set robots apart: what all of them share."""
+    model, tables = _read(source, sensors)
+    return model.point_model(tables)
+
+
 def load_models(source: Path | str | None, robots: int) -> list[PointModel]:
     """What each robot of a swarm believes, with sensors: one point model per robot.
 
@@ -194,10 +200,9 @@ def load_models(source: Path | str | None, robots: int) -> list[PointModel]:
         InputError: as `load_model`; or the file's extension names a robot that does not exist.
     """
     model, tables = _read(source, "required")
-    own = [] if model.extension is None else model.extension.robots
-    if own and own[-1] >= robots:
-        raise InputError("model", f"an extension of robot {own[-1]}", f"robots 0 to {robots - 1}")
-    if not own:
+    if model.extension is not None:
+        model.extension.check_robots(range(robots), find_model_file(source).name)
+    if model.extension is None or not model.extension.robots:
         return [model.point_model(tables)] * robots
     return [model.point_model(tables, robot=robot) for robot in range(robots)]
 
@@ -222,6 +227,10 @@ def _first_problem(path: Path, error: ValidationError) -> InputError:
     where = f"{path.name}: {'.'.join(keys)}"
     if first["type"] == "extra_forbidden":
         return InputError(where, "an unknown key", nearest(keys[-1], _keys_of(keys[:-1])))
+    refused = first.get("ctx", {}).get("error")
+    if isinstance(refused, Refused):
+        keys += refused.field.split(".") if refused.field else []
+        return InputError(f"{path.name}: {'.'.join(keys)}", refused.got, refused.expected)
     if first["type"] == "missing":
         return InputError(where, "nothing", "a value (the key must be there)")
     return InputError(where, repr(first["input"]), first["msg"].removeprefix("Input should be "))
@@ -231,8 +240,8 @@ def _keys_of(parents: list[str]) -> list[str]:
     """Valid keys of a nested table of a model file."""
     table: Any = ModelFile
     for parent in parents:
-        if parent.isdecimal():
-            continue  # a place in a list, of whose kind of table we already are
+        if parent not in table.model_fields:
+            continue  # a place in a list or a mapping, of whose kind of table we already are
         annotation = table.model_fields[parent].annotation
         choices = [annotation, *getattr(annotation, "__args__", ())]
         table = next(c for c in choices if isinstance(c, type) and issubclass(c, BaseModel))

@@ -8,6 +8,8 @@ points), of readings clipped as the converter clips them.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -69,24 +71,30 @@ def predict(
     count: npt.NDArray[np.int64],
     rows: npt.NDArray[np.int64],
     noise: PoseNoise,
+    own: Mapping[int, PointModel] = MappingProxyType({}),
 ) -> Predicted:
     """Readings expected at poses (rows, 3), each averaged over `count` measurements.
 
-    The model must have sensor tables.
+    The model must have sensor tables; `own` are models of single robots, by id.
     """
     tables = model.tables
     assert tables is not None
     scenario = scenarios(log)[rows]
     known = scenario >= 0
     means, squares, variances = (np.zeros((len(rows), 2 * SENSORS)) for _ in range(3))
+    lit = np.where(known, scenario, 1).astype(np.int32)
+    time = (log.t - log.t[log.start[:-1]][log.segment])[rows]
+    robot = log.frame["robot"].to_numpy(dtype=np.int64)[rows]
     spread = np.array([noise.position, noise.position, noise.heading])
     shrunk = spread / np.sqrt(np.maximum(count, 1))[:, None]
     for axis in range(3):
         for sign in (-1.0, 1.0):
             point = poses.copy()
             point[:, axis] += sign * np.sqrt(3.0) * shrunk[:, axis]
-            read = readings(point, np.where(known, scenario, 1), model=model)
-            mean, variance = _clipped(np.hstack([read.ps, read.ls]), tables)
+            mean, variance = _expected(point, lit, time, model)
+            for one, its in own.items():
+                mine = robot == one
+                mean[mine], variance[mine] = _expected(point[mine], lit[mine], time[mine], its)
             means += mean / 6
             squares += mean**2 / 6
             variances += variance / 6
@@ -117,15 +125,28 @@ def _carried(poses: FloatArray, replayed: FloatArray, pairs: Windows) -> FloatAr
     return moved(poses[pairs.first], motion(replayed, pairs))
 
 
-def _clipped(reading: FloatArray, tables: Tables) -> tuple[FloatArray, FloatArray]:
+def _expected(
+    poses: FloatArray, scenario: npt.NDArray[np.int32], time: FloatArray, model: PointModel
+) -> tuple[FloatArray, FloatArray]:
+    """(rows, 16) mean and variance of one model's readings."""
+    assert model.tables is not None
+    read = readings(poses, scenario, time, model=model)
+    return _clipped(np.hstack([read.ps, read.ls]), model.tables, model.senses.ps_noise)
+
+
+def _clipped(
+    reading: FloatArray, tables: Tables, louder: float = 1.0
+) -> tuple[FloatArray, FloatArray]:
     """Mean and variance of readings (n, 16) with the tables' uniform noise, clipped by the
     converter.
 
-    Of a uniform variable on [m - a, m + a] clipped to [0, top], by integration.
+    Of a uniform variable on [m - a, m + a] clipped to [0, top], by integration; `louder` times the
+    tables' noise of infrared.
     """
     top = tables.counts_max
     width = np.empty_like(reading)
-    width[:, :SENSORS] = tables.ps_noise * reading[:, :SENSORS] + tables.ps_noise_floor
+    usual = tables.ps_noise * reading[:, :SENSORS] + tables.ps_noise_floor
+    width[:, :SENSORS] = louder * usual
     width[:, SENSORS:] = tables.ls_noise
     width = np.maximum(width, 1e-9)
     low, high = np.clip(reading - width, 0, top), np.clip(reading + width, 0, top)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -10,12 +12,14 @@ import pandas as pd
 
 from embedded_sim import SENSORS, PointModel
 from embedded_sim.model import FloatArray
+from models.causes import Motion
 from models.conditions import Bins, bins, edges_bins
 from models.flips import Map, residual_maps, scores
 from models.log import MeasuredLog
 from models.motion_gap import blocks, condition_bins
 from models.noise import PoseNoise
 from models.schema import LS, PS
+from models.senses.sight import poses_as_stood
 from models.sensing import (
     SPACING,
     Predicted,
@@ -60,10 +64,13 @@ def sensor_gap(
     seed: np.random.SeedSequence,
     *,
     family: int,
+    own: Mapping[int, PointModel] = MappingProxyType({}),
+    seen: Mapping[int, tuple[Motion, Motion]] = MappingProxyType({}),
 ) -> list[SensorGap]:
     """Infrared and light, where the log has them and the model can predict them.
 
-    Args: as `motion_gap`, and `family`, how many families of maps are judged together.
+    Args: as `motion_gap`; `family`, how many families of maps are judged together; `own`, models of
+        single robots; `seen`, as `models.senses.sight.look`, robots whose markers are believed off.
     """
     kinds = sensors_to_judge(log, model)
     if not kinds or model.tables is None:
@@ -72,7 +79,8 @@ def sensor_gap(
     if not len(rows):
         return []
     poses, count = averaged_poses(log, replayed, rows)
-    predicted = predict(log, model, poses, count, rows, noise)
+    poses = poses_as_stood(log, model, rows, poses, seen)
+    predicted = predict(log, model, poses, count, rows, noise, own)
     there = table.iloc[rows].reset_index(drop=True)
     there = there.assign(**_place(poses, model, scenarios(log)[rows]))
     free = there["near_robot"].to_numpy() > model.tables.ps_range

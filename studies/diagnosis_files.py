@@ -59,7 +59,7 @@ def diagnose_files(request: Request, out: Path, *, force: bool = False) -> Diagn
     model = read_model_file(path)
     log = read_logs(request.logs, model)
     healthy = _reference(request.reference, model)
-    examined = diagnose(log, model, healthy, seed=request.seed)
+    examined = diagnose(log, model, healthy, seed=request.seed, name=path.name)
     tables = None if model.sensors is None else load_tables(path.parent / model.sensors.tables)
     senses = _sense_reference(request.reference, model)
     examined = with_senses(examined, log, tables, senses, seed=request.seed)

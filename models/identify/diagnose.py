@@ -36,7 +36,12 @@ class Examination:
 
 
 def diagnose(
-    log: MeasuredLog, model: ModelFile, reference: Reference | None, *, seed: int = 0
+    log: MeasuredLog,
+    model: ModelFile,
+    reference: Reference | None,
+    *,
+    seed: int = 0,
+    name: str = "model",
 ) -> Examination:
     """Say what is wrong with the robots of a log.
 
@@ -45,11 +50,15 @@ def diagnose(
         model: What the simulator believes.
         reference: What healthy robots do; None: nobody knows.
         seed: Of the bootstrap.
+        name: What to call the model's file in an error.
 
     Raises:
-        InputError: nothing in the log can be used.
+        InputError: nothing in the log can be used, or the model's extension concerns a robot that
+            the log does not have.
     """
     tracks = cut_tracks(log, model)
+    if model.extension is not None:
+        model.extension.check_robots(tracks.robots, name)
     believed = [model.motion(robot) for robot in tracks.robots]
     healthy = no_reference(model.name, model.motion().drive) if reference is None else reference
     found = identify(tracks, healthy, believed)

@@ -23,17 +23,17 @@ def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
         tracks: Whose commands.
         motions: One per robot of `tracks.robots`.
     """
-    driven = np.empty((len(tracks.t), 3))
+    path = np.empty((len(tracks.t), 3))
     for robot, (begin, end, cut) in enumerate(_pieces(tracks)):
         motion = motions[robot]
-        driven[begin:end] = _driven(
+        path[begin:end] = driven(
             tracks.t[begin:end],
             tracks.commands[begin:end],
             cut,
             motion.drive,
             motion.motor_delay + motion.pose_delay,
         )
-    seen = driven[tracks.rows]
+    seen = path[tracks.rows]
     lever = np.array([m.lever for m in motions])
     if lever.any():
         arm = lever[tracks.row_robot[tracks.rows]]
@@ -55,7 +55,7 @@ def wheel_angles(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
             # a body with one wheel of 1 m and an axle of 1 m turns as that wheel does
             radius = (0.0, 1.0) if side else (-1.0, 0.0)
             alone = _with(drive, wheel_radius=radius, axle=1.0)
-            turned = _driven(
+            turned = driven(
                 tracks.t[begin:end],
                 tracks.commands[begin:end],
                 cut,
@@ -76,10 +76,18 @@ def _pieces(tracks: Tracks) -> list[tuple[int, int, Rows]]:
     return found
 
 
-def _driven(
+def driven(
     t: FloatArray, commands: FloatArray, cut: Rows, drive: Drive, delay: float
 ) -> FloatArray:
-    """(rows, 3) poses at the times when the rows' poses were really taken."""
+    """(rows, 3) poses at the times when the rows' poses were really taken.
+
+    Args:
+        t: (rows,) s.
+        commands: (rows, 2) rad/s.
+        cut: (segments + 1,) first row of each segment, and the row count; each from the origin.
+        drive: What moves the robot.
+        delay: s by which its answer shows late, beyond the drive's latency; negative: early.
+    """
     total = drive.latency + delay
     origin = np.zeros((len(cut) - 1, 3))
     if total >= 0.0:  # late poses and late commands are the same in motion

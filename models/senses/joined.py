@@ -60,16 +60,27 @@ def with_senses(
 
 
 def _askew(examined: Examination) -> dict[int, tuple[Motion, Motion]]:
-    """Healthy and found motion of the robots whose markers or tracker's clock motion has named."""
+    """Healthy and found motion of the robots whose marker or tracker's clock is off: motion has
+    named it, or the model's extension says so."""
     found = examined.identified
-    concerned = {
-        robot for one in found.named if one.term.cause.name in MARKERS for robot in one.robots
-    }
-    return {
-        robot: (found.base[k], found.explained[k])
-        for k, robot in enumerate(examined.tracks.robots)
-        if robot in concerned
-    }
+    named = {robot for one in found.named if one.term.cause.name in MARKERS for robot in one.robots}
+    askew = {}
+    for k, robot in enumerate(examined.tracks.robots):
+        believed = examined.model.motion(robot)
+        if robot in named or any((*believed.lever, believed.yaw_offset, believed.pose_delay)):
+            askew[robot] = (_without(found.base[k], believed), found.explained[k])
+    return askew
+
+
+def _without(healthy: Motion, believed: Motion) -> Motion:
+    """A healthy robot's motion, its marker and clock as they would be without what is believed."""
+    ahead, left = (a - b for a, b in zip(healthy.lever, believed.lever, strict=True))
+    return replace(
+        healthy,
+        lever=(ahead, left),
+        yaw_offset=healthy.yaw_offset - believed.yaw_offset,
+        pose_delay=healthy.pose_delay - believed.pose_delay,
+    )
 
 
 def _gains(senses: SenseExamination, rng: np.random.Generator) -> dict[str, Gain]:

@@ -88,7 +88,7 @@ def look(
     rows = rows[np.argsort(robot_of[rows], kind="stable")]
     poses, count = averaged_poses(log, replayed, rows)
     ids, who = np.unique(robot_of[rows], return_inverse=True)
-    poses = _as_stood(poses, _velocity(log, model, rows, poses), robot_of[rows], seen or {})
+    poses = poses_as_stood(log, model, rows, poses, seen or {})
     scenario = np.ascontiguousarray(scenarios(log)[rows])
     neighbours = around(log, rows)
     free = np.hstack(
@@ -118,6 +118,18 @@ def _spread(noise: PoseNoise, count: Rows) -> FloatArray:
     """(rows, 3) standard deviation of averaged poses."""
     each = np.array([noise.position, noise.position, noise.heading])
     return np.asarray(each / np.sqrt(np.maximum(count, 1))[:, None])
+
+
+def poses_as_stood(
+    log: MeasuredLog,
+    model: PointModel,
+    rows: Rows,
+    poses: FloatArray,
+    seen: Mapping[int, tuple[Motion, Motion]],
+) -> FloatArray:
+    """(rows, 3) the robots' own poses at rows of a log, out of measured ones; `seen` as `look`."""
+    robot = log.frame["robot"].to_numpy(dtype=np.int64)[rows]
+    return _as_stood(poses, _velocity(log, model, rows, poses), robot, seen)
 
 
 def _velocity(log: MeasuredLog, model: PointModel, rows: Rows, poses: FloatArray) -> FloatArray:

@@ -31,14 +31,14 @@ def gap(
     """
     from models.gap import measure_gap
     from models.log import SAMPLES, read_log
-    from models.modelfile import load_model, read_model_file
+    from models.modelfile import find_model_file, load_common, read_model_file
     from studies.coevolution_gap import coevolution_gap, find_generations, read_generations
     from studies.gap_report import write_coevolution, write_gap
     from studies.output import check_free, whole_directory
 
     check_free(out, force=force, holds=("gap.json",))
     file = read_model_file(model)
-    point = load_model(model, sensors="declared")
+    point = load_common(model, sensors="declared")
     generations = find_generations(log)
     evolved = coevolution_gap(read_generations(generations)) if generations else None
     if evolved is not None and not (log / SAMPLES).exists():
@@ -48,7 +48,7 @@ def gap(
         # commands are turned into wheel speeds as the lab does: an extension tells of the robots
         nominal = file.nominal_drive
         measured = read_log(log, drive=nominal, fastest=file.robot.wheel_speed_max)
-        found = measure_gap(measured, file, point, seed=seed)
+        found = measure_gap(measured, file, point, seed=seed, name=find_model_file(model).name)
         with whole_directory(out, force=force, holds=("gap.json",)) as part:
             report = write_gap(measured, found, part, name=file.name, coevolution=evolved)
     if not quiet:

@@ -29,6 +29,10 @@ Scheduler = Annotated[
 ]
 Robots = Annotated[int, typer.Option(help="How many e-pucks in each run.")]
 Seed = Annotated[int, typer.Option(help="Every run's seed follows from it.")]
+Model = Annotated[
+    Optional[str],  # noqa: UP045
+    typer.Option(help="Model file on board, or the name of a shipped robot; the e-puck if absent."),
+]
 
 
 @study.command(epilog="Example: realitygap study paper --runs 2 --minutes 4 --out out/study")
@@ -38,6 +42,7 @@ def paper(
     minutes: Annotated[float, typer.Option(help="Simulated minutes of each run.")] = 60.0,
     robots: Robots = 10,
     seed: Seed = 0,
+    model: Model = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     quiet: Quiet = False,
@@ -47,7 +52,7 @@ def paper(
     Writes study.parquet (a row per run), generations.parquet, claims.csv, figures/ and report.html.
     Stopped or killed, the same command goes on with the runs that are missing.
     """
-    _study("paper", out, runs, minutes, robots, seed, jobs, scheduler, quiet)
+    _study("paper", out, runs, minutes, robots, seed, model, jobs, scheduler, quiet)
 
 
 @study.command(epilog="Example: realitygap study readings --runs 2 --minutes 10 --out out/readings")
@@ -67,7 +72,7 @@ def readings(
     neutral; lamps whose contrast fades at 0.6, 1 and 2 m. Writes readings.csv, dependence.csv,
     study.parquet, generations.parquet, figures/ and report.html; resumes like `study paper`.
     """
-    _study("readings", out, runs, minutes, robots, seed, jobs, scheduler, quiet)
+    _study("readings", out, runs, minutes, robots, seed, None, jobs, scheduler, quiet)
 
 
 def _study(
@@ -77,6 +82,7 @@ def _study(
     minutes: float,
     robots: int,
     seed: int,
+    model: str | None,
     jobs: int | None,
     scheduler: str | None,
     quiet: bool,
@@ -87,7 +93,9 @@ def _study(
     from studies.paper.execution import RunsFailed
     from studies.paper.study import run_study
 
-    config = study_config(study=name, runs=runs, minutes=minutes, robots=robots, seed=seed)
+    config = study_config(
+        study=name, runs=runs, minutes=minutes, robots=robots, seed=seed, model=model
+    )
     workers = Workers.chosen(jobs, scheduler)
     try:
         run_study(config, out, workers, quiet=quiet)

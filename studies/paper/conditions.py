@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import zlib
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
@@ -10,6 +11,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from embedded_sim.errors import InputError
+from models.modelfile import find_model_file, load_models
 from studies.experiment import Case, Controller, RunConfig
 
 StudyName = Literal["paper", "readings"]
@@ -61,6 +63,10 @@ class StudyConfig(BaseModel):
     minutes: Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)] = 60.0
     robots: Annotated[int, Field(ge=1, le=100)] = 10
     seed: Annotated[int, Field(ge=0)] = 0
+    model: str | None = None
+    """Model file on board; None: the shipped nominal e-puck."""
+    model_hash: str | None = None
+    """SHA-256 of that file: a study is resumed with the same model only."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +112,7 @@ def plan(study: StudyConfig, conditions: tuple[Condition, ...]) -> tuple[Planned
                 robots=study.robots,
                 seed=run_seed(study.seed, condition.key, index),
                 samples=False,
+                model=study.model,
                 **condition.changes,
             ),
         )
@@ -118,12 +125,18 @@ def study_config(**values: Any) -> StudyConfig:
     """A study's configuration.
 
     Raises:
-        InputError: the first value that cannot be used.
+        InputError: the first value that cannot be used, or the model.
     """
     try:
-        return StudyConfig(**values)
+        config = StudyConfig(**values)
     except ValidationError as error:
         first = error.errors()[0]
         field_name = ".".join(str(part) for part in first["loc"])
         expected = first["msg"].removeprefix("Input should be ")
         raise InputError(f"--{field_name}", first["input"], f"a value {expected}") from None
+    if config.model is None:
+        return config
+    load_models(config.model, config.robots)  # refused now, not in every worker
+    path = find_model_file(config.model).resolve()
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    return config.model_copy(update={"model": str(path), "model_hash": digest})

@@ -21,10 +21,10 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from embedded_sim import SCENARIOS, Behaviour, evaluate
+from embedded_sim import SCENARIOS, Behaviour, PointModel, evaluate
 from embedded_sim.model import CONTROL_STEP
 from embedded_sim.onboard import GENERATION_STEPS
-from models import load_model
+from models import load_model, load_models
 from reality import constants as k
 from reality.hardware import lamp_power
 from studies.experiment import HALVES
@@ -38,14 +38,25 @@ GENES = (0.1, 0.5, 0.9)
 PARTS = ("curse", "scenario", "model")
 
 
-def fresh_fitness(seed: int, lamp_range: float | None = None) -> Array:
+def fresh_fitness_of(model: str | None, robots: int, seed: int) -> Array:
+    """Mean fitness (s) by robot and as `fresh_fitness`: (robots, 3, 3, 3), or (1, 3, 3, 3) where
+    all robots have the same model on board."""
+    models = load_models(model, robots)
+    alike = all(one is models[0] for one in models)
+    return np.stack([fresh_fitness(seed, model=one) for one in models[: 1 if alike else None]])
+
+
+def fresh_fitness(
+    seed: int, lamp_range: float | None = None, *, model: PointModel | None = None
+) -> Array:
     """Mean fitness (s) by third of G0, third of G1 and scenario: (3, 3, 3).
 
     Args:
         seed: The study's; the trials are none that a robot has seen.
         lamp_range: m, if not the nominal lamp.
+        model: On board; None: the nominal e-puck.
     """
-    model = load_model(None)
+    model = model or load_model(None)
     if lamp_range is not None:
         model = replace(model, lamp_gain=lamp_power(lamp_range) / k.LAMP_POWER)
     cells = list(itertools.product(range(3), range(3), range(3)))
@@ -81,7 +92,7 @@ def decompose(generations: pd.DataFrame, fresh: Array, minutes: float) -> pd.Dat
 
     Args:
         generations: With thirds of the genes.
-        fresh: Of `fresh_fitness`.
+        fresh: (3, 3, 3) of `fresh_fitness`, or (robots or 1, 3, 3, 3) of `fresh_fitness_of`.
         minutes: Length of a run.
     """
     half = minutes * 30.0
@@ -94,7 +105,9 @@ def decompose(generations: pd.DataFrame, fresh: Array, minutes: float) -> pd.Dat
     truth = truths[np.arange(len(rows)), second]
     g0, g1 = (rows[f"{gene}_third"].to_numpy(dtype=np.intp) for gene in ("g0", "g1"))
     believed = rows["s0_third"].to_numpy(dtype=np.intp)
-    anew, under_truth = fresh[g0, g1, believed], fresh[g0, g1, truth]
+    every = fresh.reshape(-1, *fresh.shape[-3:])
+    robot = rows["robot"].to_numpy(dtype=np.intp) % len(every)
+    anew, under_truth = every[robot, g0, g1, believed], every[robot, g0, g1, truth]
     rows["truth"] = truth
     rows["gap"] = rows["fitness_sim"] - rows["fitness_real"]
     rows["curse"] = rows["fitness_sim"] - anew

@@ -33,14 +33,14 @@ def write_report(directory: StudyDirectory) -> pd.DataFrame:
     """Make everything from the runs of a finished study; returns the claims table."""
     out, study = directory.out, directory.study
     tables = collect(directory)
-    fresh = gap.fresh_fitness(study.seed)
+    fresh = gap.fresh_fitness_of(study.model, study.robots, study.seed)
     gaps = gap.decompose(tables.generations, fresh, study.minutes)
     claims = weigh_claims(tables, study.seed)
     runs = tables.runs.merge(_gap_of_runs(gaps), on=["condition", "variant", "run"], how="left")
     write_parquet(runs, out / "study.parquet")
     write_parquet(tables.generations, out / "generations.parquet")
     table = gap.gap_table(gaps)
-    controllers = gap.controllers_table(fresh)
+    controllers = gap.controllers_table(fresh.mean(axis=0))
     for name, frame in (("claims", claims), ("gap", table), ("controllers", controllers)):
         write_csv(frame, out / f"{name}.csv")
     drawn = _figures(tables, gaps, out / "figures")
@@ -110,9 +110,10 @@ def lead_line(directory: StudyDirectory, claims: pd.DataFrame) -> str:
     found = ", ".join(
         f"{counts.get(name, 0)} {name}" for name in ("reproduced", "not reproduced", "undecided")
     )
+    board = f", the model {Path(study.model).name} on board" if study.model else ""
     return (
         f"{len(directory.runs)} runs of {study.minutes:g} minutes with {study.robots} robots, "
-        f"seed {study.seed}. Of {len(claims)} claims: {found}."
+        f"seed {study.seed}{board}. Of {len(claims)} claims: {found}."
     )
 
 

@@ -107,7 +107,7 @@ def test_an_extension_concerns_its_robots_only() -> None:
     [
         ('name = "motor_lagg"', "motor_lag"),
         ("seconds = { value = 0.1 }", "time_constant"),
-        ("time_constant = { value = 99.0 }", "not within"),
+        ("time_constant = { value = 99.0 }", "from -0.1 to 1 s"),
         ('word = "left"', "word"),
         ("colour = 3", "unknown key"),
     ],

@@ -112,7 +112,9 @@ def test_each_robot_believes_what_the_extension_says_of_it(tmp_path: Path) -> No
 
 def test_an_extension_of_some_robots_is_never_taken_for_all_or_none(tmp_path: Path) -> None:
     path = extended(tmp_path / "m.toml", [1, 3])
-    with pytest.raises(InputError, match="robots 0 to 2"):
+    with pytest.raises(
+        InputError, match=r"causes.0.robots: got 3, expected a robot: one of 0, 1, 2"
+    ):
         load_models(path, 3)
     with pytest.raises(InputError, match="one model for all robots"):
         load_model(path)

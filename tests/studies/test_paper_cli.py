@@ -25,6 +25,7 @@ def _run(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
         (("paper", "--minutes", "nan"), "--minutes"),
         (("readings", "--robots", "0"), "--robots"),
         (("paper", "--seed", "-1"), "--seed"),
+        (("paper", "--model", "epuk"), "did you mean epuck"),
         (("paper", "--jobs", "0"), "--jobs"),
         (("paper", "--scheduler", "nowhere"), "--scheduler"),
         (("paper", "--jobs", "2", "--scheduler", "tcp://127.0.0.1:1"), "--jobs"),
