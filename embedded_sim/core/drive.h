@@ -48,9 +48,9 @@ static inline double rg_wheel_advance(const rg_drive *d, int side, double *speed
 
 /* Move a pose along the exact circular arc of wheels turned by left and right (rad). `heading` is
  * the cosine and sine of yaw: it is turned with the pose, so that a step costs one sine and cosine.
- */
-static inline void rg_arc(const rg_drive *d, double left, double right, double *pose,
-                          double *heading) {
+ * Returns how far the pose moved (m). */
+static inline double rg_arc(const rg_drive *d, double left, double right, double *pose,
+                            double *heading) {
     const double sl = d->wheel_radius[0] * left;
     const double sr = d->wheel_radius[1] * right;
     const double turn = (sr - sl) / d->axle;
@@ -68,6 +68,7 @@ static inline void rg_arc(const rg_drive *d, double left, double right, double *
     const double unit = 1.5 - 0.5 * (next_c * next_c + next_s * next_s); /* rounding, undone */
     heading[0] = next_c * unit;
     heading[1] = next_s * unit;
+    return fabs(chord);
 }
 
 #endif

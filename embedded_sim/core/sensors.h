@@ -9,7 +9,6 @@
 #include "small.h"
 #include "trig.h"
 
-#define RG_DARK -1 /* scenario of light that nobody looks at */
 #define RG_TWO_PI 6.28318530717958647692
 
 /* Lower node and weight of the upper node, on a uniform axis of n nodes over [0, 1]. */
@@ -22,8 +21,17 @@ static inline int rg_node(double u, int n, double *weight) {
     return i;
 }
 
-/* Infrared of sensor k at the rim, looking along (ux, uy) at the circular wall around the origin.
+/* Does a ray from the rim along (ux, uy) meet the circular wall around the origin within `reach`?
  */
+static inline int rg_sees_wall(const rg_model *m, double x, double y, double ux, double uy,
+                               double reach) {
+    const double px = x + m->body_radius * ux, py = y + m->body_radius * uy;
+    const double along = px * ux + py * uy;
+    const double margin = m->arena_radius * m->arena_radius - px * px - py * py;
+    return !(reach * (2.0 * along + reach) <= margin);
+}
+
+/* Infrared of sensor k at the rim, looking along (ux, uy) at the wall. */
 static inline double rg_wall_reading(const rg_model *m, int k, double x, double y, double ux,
                                      double uy) {
     const rg_tables *t = &m->tables;
@@ -88,8 +96,6 @@ static inline void rg_ls(const rg_model *m, int scenario, double x, double y, do
                          double time, double *ls) {
     for (int k = 0; k < RG_SENSORS; k++)
         ls[k] = m->tables.ls_dark;
-    if (scenario == RG_DARK)
-        return;
     if (m->lamp_on[scenario]) {
         const double gain = m->lamp_gain * rg_max(1.0 - m->lamp_decay * time, 0.0);
         rg_lamp(m, m->lamp_x[scenario] - x, m->lamp_y[scenario] - y, gain, c, s, ls);
