@@ -14,18 +14,20 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from embedded_sim import CONTROL_STEP, SCENARIOS, Behaviour
 from embedded_sim.breeding import Breeder, CoEvolution, Fixed
 from embedded_sim.genome import GENOMES, PAPER, Genome
 from embedded_sim.onboard import Swarm
+from embedded_sim.probes import PREFIX, probe
 from embedded_sim.reading import Bounding, reading
 from models import load_models
 from reality import constants as k
 from reality.effects import parse_effects
 from reality.hardware import lamp_power
 from reality.world import World
+from studies.manoeuvre import Manoeuvre
 from studies.recorder import Recorder, RunTables
 
 if TYPE_CHECKING:
@@ -53,6 +55,14 @@ GenomeName = Literal["paper", "continuous"]
 
 Controller = Literal["coevolution", "search", "positive-phototaxis", "negative-phototaxis"]
 
+
+def _known_probe(controller: str) -> str:
+    """A controller `probe:NAME`, if there is such a manoeuvre."""
+    if not controller.startswith(PREFIX):
+        raise ValueError(f"a controller or {PREFIX}NAME")
+    return PREFIX + probe(controller.removeprefix(PREFIX)).name
+
+
 FIXED_GENOMES: dict[str, tuple[float, float]] = {
     "search": (0.5, 0.5),
     "positive-phototaxis": (0.9, 0.5),
@@ -69,7 +79,7 @@ class RunConfig(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     case: Case = "light-at-nest"
-    controller: Controller = "coevolution"
+    controller: Controller | Annotated[str, AfterValidator(_known_probe)] = "coevolution"
     minutes: Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)] = 60.0
     robots: Annotated[int, Field(ge=1, le=100)] = 10
     """More do not find room in the arena."""
@@ -123,15 +133,30 @@ def simulate(
     world_seed, swarm_seed, evolution_seed, start_seed = np.random.SeedSequence(config.seed).spawn(
         4
     )
-    breeder = _breeder(config, behaviour, evolution_seed)
-    starts = np.random.default_rng(start_seed).uniform(0.0, k.START_WITHIN, config.robots)
-    swarm = Swarm(
-        swarm_seed,
-        breeder=breeder,
-        behaviour=behaviour,
-        start_steps=np.minimum(np.round(starts / CONTROL_STEP), config.steps - 1).astype(np.int64),
+    swarm: Swarm | Manoeuvre
+    if config.controller.startswith(PREFIX):
+        swarm = Manoeuvre(
+            config.controller.removeprefix(PREFIX),
+            config.robots,
+            load_models(config.model, config.robots)[0],
+        )
+    else:
+        breeder = _breeder(config, behaviour, evolution_seed)
+        starts = np.random.default_rng(start_seed).uniform(0.0, k.START_WITHIN, config.robots)
+        start_steps = np.minimum(np.round(starts / CONTROL_STEP), config.steps - 1)
+        swarm = Swarm(
+            swarm_seed,
+            breeder=breeder,
+            behaviour=behaviour,
+            start_steps=start_steps.astype(np.int64),
+        )
+    world = World(
+        config.robots,
+        world_seed,
+        effects=hidden,
+        poses=swarm.starts if isinstance(swarm, Manoeuvre) else None,
+        lamp_power=_lamp_power(config),
     )
-    world = World(config.robots, world_seed, effects=hidden, lamp_power=_lamp_power(config))
     try:
         with Recorder(
             out, config.case, run_name(config), config.robots, config.samples
@@ -187,7 +212,7 @@ def _lamp_power(config: RunConfig) -> float:
 def _loop(
     config: RunConfig,
     world: World,
-    swarm: Swarm,
+    swarm: Swarm | Manoeuvre,
     recorder: Recorder,
     progress: Callable[[int], None],
 ) -> None:
@@ -202,22 +227,31 @@ def _loop(
             world.light.set_scenario(second)
             scenario = second
         world.sense()
-        tracker.locate(swarm.carrying)
-        swarm.step(
-            step, world.infrared.counts, world.light.counts, tracker.on_food, tracker.on_nest
-        )
-        if swarm.picked.any():
-            for robot in np.flatnonzero(swarm.picked).tolist():
-                world.replace_food(robot)
-        if step % RADIO_STEPS == 0:
-            world.radio.exchange(world.poses, swarm.active)
-            swarm.hear(world.radio.heard, step)
+        if isinstance(swarm, Manoeuvre):
+            tracker.locate(swarm.carrying)
+            swarm.follow(tracker.poses)
+        else:
+            _forage(step, world, swarm)
         recorder.sample(step, world, swarm, scenario)
         world.act(swarm.commands)
         if step % 25 == 0:
             progress(step)
     progress(config.steps)
-    swarm.finish(config.steps)
+    if isinstance(swarm, Swarm):
+        swarm.finish(config.steps)
+
+
+def _forage(step: int, world: World, swarm: Swarm) -> None:
+    """The controllers answer what is sensed; food and radio take their course."""
+    tracker = world.tracker
+    tracker.locate(swarm.carrying)
+    swarm.step(step, world.infrared.counts, world.light.counts, tracker.on_food, tracker.on_nest)
+    if swarm.picked.any():
+        for robot in np.flatnonzero(swarm.picked).tolist():
+            world.replace_food(robot)
+    if step % RADIO_STEPS == 0:
+        world.radio.exchange(world.poses, swarm.active)
+        swarm.hear(world.radio.heard, step)
 
 
 def _write_notes(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import pandas as pd
@@ -15,9 +15,10 @@ import pyarrow.parquet as pq
 from embedded_sim import CONTROL_STEP, SENSORS
 from embedded_sim.breeding import third
 from embedded_sim.genome import Genome
-from embedded_sim.onboard import Swarm
+from embedded_sim.onboard import Generation
 
 if TYPE_CHECKING:
+    from embedded_sim.model import FloatArray
     from reality.world import World
 
 CHUNK = 1500
@@ -53,6 +54,18 @@ def _schema() -> Any:
             for name, kind in fields
         ]
     )
+
+
+class Driven(Protocol):
+    """What robots were told and what came of it."""
+
+    generations: list[Generation]
+    deposits: list[tuple[int, int, int, int]]
+    """(robot, step, step of pick-up, generation)."""
+
+    @property
+    def commands(self) -> FloatArray:
+        """(robots, 2) rad/s, left and right."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +107,7 @@ class Recorder:
             self._writer.close()
             self._writer = None
 
-    def sample(self, step: int, world: World, swarm: Swarm, scenario: int) -> None:
+    def sample(self, step: int, world: World, swarm: Driven, scenario: int) -> None:
         """Keep one control step: measured poses, readings, virtual sensor, commands answered.
 
         A row's commands hold from its time on; its wheel speeds are the encoders' steps since the
@@ -117,7 +130,7 @@ class Recorder:
         if self._filled == CHUNK:
             self._flush()
 
-    def finish(self, swarm: Swarm, genome: Genome) -> RunTables:
+    def finish(self, swarm: Driven, genome: Genome) -> RunTables:
         """Write what is left and the two small tables."""
         if self._filled:
             self._flush()
@@ -145,7 +158,7 @@ class Recorder:
         )
         self._writer.write_table(pa.table(columns, schema=self._schema))
 
-    def _generations(self, swarm: Swarm, genome: Genome) -> pd.DataFrame:
+    def _generations(self, swarm: Driven, genome: Genome) -> pd.DataFrame:
         rows = sorted(swarm.generations, key=lambda g: (g.robot, g.generation))
         fixed = [np.isnan(g.s0) for g in rows]
         constants = [genome.values(np.array(g.genome)) for g in rows]
@@ -175,7 +188,7 @@ class Recorder:
             }
         )
 
-    def _deposits(self, swarm: Swarm) -> pd.DataFrame:
+    def _deposits(self, swarm: Driven) -> pd.DataFrame:
         rows = np.array(swarm.deposits, dtype=np.int64).reshape(-1, 4)
         return pd.DataFrame(
             {

@@ -7,12 +7,13 @@ from typing import Any, get_args
 from pydantic import ValidationError
 
 from embedded_sim.errors import InputError, nearest
+from embedded_sim.probes import MENU, PREFIX
 from embedded_sim.reading import reading as reading_by_name
 from studies.experiment import Case, Controller, GenomeName, RunConfig
 
 _WORDS = {
     "case": get_args(Case),
-    "controller": get_args(Controller),
+    "controller": (*get_args(Controller), *(PREFIX + name for name in MENU)),
     "genome": get_args(GenomeName),
 }
 

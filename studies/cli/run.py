@@ -7,6 +7,7 @@ from typing import Annotated, Optional
 
 import typer
 
+from embedded_sim.probes import MENU
 from studies.cli import app
 from studies.cli.options import Force, Out, Quiet
 
@@ -25,7 +26,10 @@ def run(
     ] = "light-at-nest",
     controller: Annotated[
         str,
-        typer.Option(help="coevolution, search, positive-phototaxis or negative-phototaxis."),
+        typer.Option(
+            help="coevolution, search, positive-phototaxis, negative-phototaxis, or a manoeuvre, "
+            "probe:NAME: " + ", ".join(MENU) + "."
+        ),
     ] = "coevolution",
     minutes: Annotated[float, typer.Option(help="Simulated minutes.")] = 60.0,
     robots: Annotated[int, typer.Option(help="How many e-pucks.")] = 10,
