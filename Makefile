@@ -58,7 +58,7 @@ clean: ## remove the environment, builds and caches; results in out/ stay
 build/asan/asan_main: tests/embedded_sim/asan_main.c $(CORE_C) $(CORE_H)
 	@mkdir -p $(@D)
 	$(CC) -std=c11 -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all \
-	    -Wall -Wextra -Werror -ffp-contract=off -Iembedded_sim/core $(filter %.c,$^) -o $@ -lm
+	    -Wall -Wextra -Werror -Wno-psabi -ffp-contract=off -Iembedded_sim/core $(filter %.c,$^) -o $@ -lm
 
 # A changed packaging file installs anew; changed C only rebuilds the extensions.
 $(STAMP): $(PACKAGING) $(BUILD_INPUTS)

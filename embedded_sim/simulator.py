@@ -37,6 +37,7 @@ def evaluate(
     model: PointModel,
     behaviour: Behaviour | Sequence[Behaviour],
     seconds: float = TRIAL_SECONDS,
+    side_by_side: bool = True,
 ) -> Evaluation:
     """Forage once per trial, one simulated robot alone in the arena (paper, III-E).
 
@@ -47,6 +48,7 @@ def evaluate(
         model: What the simulator believes.
         behaviour: The controller's constants, of all trials or (trials,).
         seconds: Length of a trial, T_max of eq. 1.
+        side_by_side: Sixteen trials at a time in SIMD lanes; False: one by one, with the same bits.
 
     Raises:
         ValueError: shapes disagree, a scenario is not 0, 1 or 2, or the model cannot be run.
@@ -63,6 +65,7 @@ def evaluate(
     result = Evaluation(np.empty(trials), np.empty(trials, dtype=np.int32))
     trial_set = ffi.new("rg_trials *")
     trial_set.steps, trial_set.trials = round(seconds / CONTROL_STEP), trials
+    trial_set.one_by_one = not side_by_side
     trial_set.genomes = _pointer("double[]", genes)
     trial_set.scenarios = _pointer("int32_t[]", scenario)
     trial_set.seeds = _pointer("uint32_t[]", seed)

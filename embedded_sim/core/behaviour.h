@@ -76,9 +76,7 @@ static inline double rg_search(const rg_behaviour *b, rg_controller *c) {
 }
 
 /* Sum of eight, by halves. */
-static inline double rg_sum(const double *x) {
-    return ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
-}
+#define RG_SUM(x) (((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7])))
 
 /* Bearing of the light (rad from forward) from the sensors' readings, or 0 and *seen = 0. */
 static inline double rg_light_bearing(const rg_behaviour *b, const double *ls, int *seen) {
@@ -95,7 +93,7 @@ static inline double rg_light_bearing(const rg_behaviour *b, const double *ls, i
         forward[k] = (dark - ls[k]) * b->sensor_cos[k];
         leftward[k] = (dark - ls[k]) * b->sensor_sin[k];
     }
-    return rg_angle(rg_sum(leftward), rg_sum(forward));
+    return rg_angle(RG_SUM(leftward), RG_SUM(forward));
 }
 
 /* Search's turn, with that of phototaxis (taxis -1, +1) over it where a light is seen. */

@@ -1,35 +1,18 @@
-/* The evaluation of controller genomes, one trial after the other. */
+/* The evaluation of controller genomes: trials one after the other, and how they share lanes. */
 #include <math.h>
 #include <string.h>
 
+#include "batch.h"
 #include "drive.h"
 #include "realitygap_core.h"
 #include "trial.h"
 
 typedef struct {
-    double pose[3];
-    double heading[2]; /* cosine and sine of yaw */
+    rg_beginning now; /* pose, controller and streams as they are, from the beginning on */
     rg_motors motors;
-    rg_controller controller;
-    rg_random random; /* places; the controller has its own stream, and noise goes by counter */
     double food_x[RG_FOOD_MAX], food_y[RG_FOOD_MAX];
     double clear; /* m that can be driven before any food is under the robot */
 } rg_forager;
-
-static void rg_start(const rg_model *m, rg_forager *f, const uint32_t seed[4]) {
-    memset(f, 0, sizeof *f);
-    rg_seed(&f->random, seed);
-    uint32_t own[4];
-    for (int i = 0; i < 4; i++)
-        own[i] = rg_next(&f->random);
-    rg_controller_start(&f->controller, own);
-    rg_place(m, &f->random, &f->pose[0], &f->pose[1]);
-    f->pose[2] = RG_TWO_PI * rg_uniform(&f->random);
-    f->heading[0] = cos(f->pose[2]);
-    f->heading[1] = sin(f->pose[2]);
-    for (int i = 0; i < m->food_items; i++)
-        rg_place_food(m, &f->random, &f->food_x[i], &f->food_y[i]);
-}
 
 /* Item under the robot, or -1. */
 static int rg_food_here(const rg_model *m, rg_forager *f) {
@@ -39,7 +22,7 @@ static int rg_food_here(const rg_model *m, rg_forager *f) {
     double nearest = INFINITY;
     int found = -1;
     for (int i = 0; i < m->food_items; i++) {
-        const double dx = f->food_x[i] - f->pose[0], dy = f->food_y[i] - f->pose[1];
+        const double dx = f->food_x[i] - f->now.pose[0], dy = f->food_y[i] - f->now.pose[1];
         const double square = dx * dx + dy * dy;
         nearest = rg_min(nearest, square);
         if (square < reach)
@@ -59,7 +42,7 @@ static void rg_drive_part(const rg_drive *d, rg_forager *f, const double *comman
     rg_motors *motors = &f->motors;
     const double l = rg_wheel_advance(d, 0, &motors->speed[0], command[0], h, motors->time);
     const double r = rg_wheel_advance(d, 1, &motors->speed[1], command[1], h, motors->time);
-    f->clear -= rg_arc(d, l, r, f->pose, f->heading);
+    f->clear -= rg_arc(d, l, r, f->now.pose, f->now.heading);
 }
 
 /* Drive one control step: the command arrives `latency` late, so a step has two parts. */
@@ -77,23 +60,23 @@ static void rg_drive_step(const rg_model *m, rg_forager *f, const double command
     motors->time += m->control_step;
     /* the wall stops the robot where it touches: it slides along, keeping its heading */
     const double reach = m->arena_radius - m->body_radius;
-    const double square = f->pose[0] * f->pose[0] + f->pose[1] * f->pose[1];
+    const double square = f->now.pose[0] * f->now.pose[0] + f->now.pose[1] * f->now.pose[1];
     if (square > reach * reach) {
         const double back = reach / sqrt(square);
-        f->pose[0] *= back;
-        f->pose[1] *= back;
+        f->now.pose[0] *= back;
+        f->now.pose[1] *= back;
     }
 }
 
 /* What the robot does now: the decisions of rg_control, from what it senses here. */
 static void rg_decide(const rg_model *m, const rg_behaviour *b, const rg_watch *w, rg_forager *f,
                       const uint32_t seed[4], uint32_t step, int32_t scenario, double *command) {
-    rg_controller *c = &f->controller;
+    rg_controller *c = &f->now.controller;
     double turn = rg_search(b, c);
     int32_t obstacle = 0;
     if (c->avoid_steps <= w->pace.memory &&
-        f->pose[0] * f->pose[0] + f->pose[1] * f->pose[1] >= w->near_square)
-        obstacle = rg_look_ahead(m, b, w, seed, step, f->pose, f->heading);
+        f->now.pose[0] * f->now.pose[0] + f->now.pose[1] * f->now.pose[1] >= w->near_square)
+        obstacle = rg_look_ahead(m, b, w, seed, step, f->now.pose, f->now.heading);
     if (rg_turns_away(&w->pace, c, obstacle)) {
         rg_spin(b, c, command);
         return;
@@ -101,7 +84,7 @@ static void rg_decide(const rg_model *m, const rg_behaviour *b, const rg_watch *
     const int32_t taxis = w->taxis[c->food];
     if (taxis != 0) {
         double ls[RG_SENSORS];
-        rg_see_light(m, seed, step, scenario, f->pose, f->heading, f->motors.time, ls);
+        rg_see_light(m, seed, step, scenario, f->now.pose, f->now.heading, f->motors.time, ls);
         turn = rg_follow(b, taxis, ls, turn);
     }
     rg_steer(b, turn, command);
@@ -115,16 +98,17 @@ static int32_t rg_forage(const rg_model *m, const rg_behaviour *b, rg_trials *se
     const rg_watch watch = rg_watch_of(m, b, set->genomes + 2 * trial, scenario);
     const double t_max = set->steps * m->control_step;
     rg_forager f;
-    rg_start(m, &f, seed);
+    memset(&f, 0, sizeof f);
+    rg_begin(m, seed, &f.now, f.food_x, f.food_y);
     double fitness = 0.0;
     int32_t deposits = 0;
     for (int32_t step = 0; step < set->steps; step++) {
-        const int32_t before = f.controller.food;
+        const int32_t before = f.now.controller.food;
         const int item = before ? -1 : rg_food_here(m, &f);
-        const int on_nest = before && rg_on_nest(m, f.pose[0], f.pose[1]);
-        rg_handle_food(&f.controller, item >= 0, on_nest);
+        const int on_nest = before && rg_on_nest(m, f.now.pose[0], f.now.pose[1]);
+        rg_handle_food(&f.now.controller, item >= 0, on_nest);
         if (item >= 0) {
-            rg_place_food(m, &f.random, &f.food_x[item], &f.food_y[item]);
+            rg_place_food(m, &f.now.random, &f.food_x[item], &f.food_y[item]);
             f.clear = 0.0;
         } else if (on_nest) {
             fitness += t_max - step * m->control_step;
@@ -133,7 +117,7 @@ static int32_t rg_forage(const rg_model *m, const rg_behaviour *b, rg_trials *se
         double command[2];
         rg_decide(m, b, &watch, &f, seed, (uint32_t)step, scenario, command);
         rg_drive_step(m, &f, command);
-        if (!isfinite(f.pose[0] + f.pose[1] + f.pose[2])) {
+        if (!isfinite(f.now.pose[0] + f.now.pose[1] + f.now.pose[2])) {
             *at = step;
             return RG_NOT_FINITE;
         }
@@ -143,9 +127,39 @@ static int32_t rg_forage(const rg_model *m, const rg_behaviour *b, rg_trials *se
     return RG_OK;
 }
 
+/* Do trials look at light without food, with food? Those of one kind share lanes: a lane that looks
+ * makes its neighbours wait. */
+static int rg_kind(const rg_model *m, const rg_trials *set, int32_t trial) {
+    const double *genome = set->genomes + 2 * trial;
+    if (!m->lamp_on[set->scenarios[trial]] && m->second_gain <= 0.0)
+        return 0;
+    return (rg_third(genome[0]) != 1) + 2 * (rg_third(genome[1]) != 1);
+}
+
+/* All trials in lanes; false: some left the finite numbers. */
+static int rg_side_by_side(const rg_model *m, const rg_behaviour *b, rg_trials *set) {
+    int32_t group[RG_TOGETHER];
+    int filled = 0;
+    for (int kind = 0; kind < 4; kind++)
+        for (int32_t trial = 0; trial < set->trials; trial++) {
+            if (rg_kind(m, set, trial) != kind)
+                continue;
+            group[filled++] = trial;
+            if (filled == RG_TOGETHER && !rg_forage_lanes(m, b, set, group))
+                return 0;
+            filled %= RG_TOGETHER;
+        }
+    for (int l = filled; l < RG_TOGETHER; l++)
+        group[l] = group[0]; /* the lanes left over repeat a trial */
+    return filled == 0 || rg_forage_lanes(m, b, set, group);
+}
+
 int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, int32_t at[2]) {
     if (!rg_can_run(m))
         return RG_BAD_ARGUMENT;
+    if (set->trials > 1 && !set->one_by_one && rg_side_by_side(m, b, set))
+        return RG_OK;
+    /* also to say which trial left the finite numbers, and when */
     for (at[0] = 0; at[0] < set->trials; at[0]++) {
         const rg_behaviour *own = set->behaviours ? &set->behaviours[at[0]] : b;
         const int32_t status = rg_forage(m, own, set, at[0], &at[1]);

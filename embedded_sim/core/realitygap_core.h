@@ -125,6 +125,7 @@ typedef struct {
 typedef struct {
     int32_t steps; /* of control_step each */
     int32_t trials;
+    int32_t one_by_one;             /* scalar, not in SIMD lanes: the same bits, slower */
     const double *genomes;          /* (trials, 2): G0, G1 */
     const int32_t *scenarios;       /* (trials,) 0, 1, 2 */
     const uint32_t *seeds;          /* (trials, 4) */

@@ -36,6 +36,30 @@ static inline void rg_place_food(const rg_model *m, rg_random *r, double *x, dou
     while (rg_on_nest(m, *x, *y));
 }
 
+/* Where a trial begins. */
+typedef struct {
+    double pose[3];
+    double heading[2]; /* cosine and sine of yaw */
+    rg_controller controller;
+    rg_random random; /* places; the controller has its own stream, and noise goes by counter */
+} rg_beginning;
+
+static inline void rg_begin(const rg_model *m, const uint32_t seed[4], rg_beginning *start,
+                            double *food_x, double *food_y) {
+    rg_random *random = &start->random;
+    rg_seed(random, seed);
+    uint32_t own[4];
+    for (int i = 0; i < 4; i++)
+        own[i] = rg_next(random);
+    rg_controller_start(&start->controller, own);
+    rg_place(m, random, &start->pose[0], &start->pose[1]);
+    start->pose[2] = RG_TWO_PI * rg_uniform(random);
+    start->heading[0] = cos(start->pose[2]);
+    start->heading[1] = sin(start->pose[2]);
+    for (int i = 0; i < m->food_items; i++)
+        rg_place_food(m, random, &food_x[i], &food_y[i]);
+}
+
 /* What of model and controller a trial asks for at every step, worked out once. */
 typedef struct {
     rg_pace pace;
@@ -99,11 +123,14 @@ static inline int32_t rg_look_ahead(const rg_model *m, const rg_behaviour *b, co
         const double uy = s * m->sensor_cos[k] + c * m->sensor_sin[k];
         if (!rg_sees_wall(m, x, y, ux, uy, w->reach[k]))
             continue;
+        const double ps = m->ps_offset[k] + m->ps_gain[k] * rg_wall_reading(m, k, x, y, ux, uy);
+        const double noisy = t->ps_noise[k] * ps + t->ps_noise_floor;
+        if (ps + fabs(noisy) < b->avoid_threshold[k] * (1.0 - RG_MARGIN))
+            continue; /* whatever the noise */
         if (!drawn)
             rg_noise(seed, step, RG_NOISE_PS, noise);
         drawn = 1;
-        const double ps = m->ps_offset[k] + m->ps_gain[k] * rg_wall_reading(m, k, x, y, ux, uy);
-        const double near = ps + (t->ps_noise[k] * ps + t->ps_noise_floor) * noise[k];
+        const double near = ps + noisy * noise[k];
         const double read = rg_clip(near, 0.0, t->counts_max);
         strongest[k >= 4] = rg_max(strongest[k >= 4], read / b->avoid_threshold[k]);
     }

@@ -13,26 +13,45 @@
 #define RG_PI 3.14159265358979323846
 #define RG_SMALL_TURN 0.25 /* rad: half a step's turn is far below it, up to 12 rad/s */
 
-/* sin(x) / x and cos(x) for |x| <= RG_SMALL_TURN: Taylor series, cut where a term is below 1e-17 */
-static inline double rg_small_sinc(double x) {
-    const double q = x * x;
-    return 1.0 +
-           q * (-1.0 / 6 +
-                q * (1.0 / 120 + q * (-1.0 / 5040 + q * (1.0 / 362880 + q * (-1.0 / 39916800)))));
-}
-static inline double rg_small_cos(double x) {
-    const double q = x * x;
-    return 1.0 +
-           q * (-0.5 + q * (1.0 / 24 +
-                            q * (-1.0 / 720 + q * (1.0 / 40320 +
-                                                   q * (-1.0 / 3628800 + q * (1.0 / 479001600))))));
-}
+/* The polynomials, of doubles and of vectors of doubles alike.
+ * sin(x) / x and cos(x) in q = x^2, |x| <= RG_SMALL_TURN: Taylor, cut where a term is below 1e-17
+ */
+#define RG_SINC(q)                                                                                 \
+    (1.0 + q * (-1.0 / 6 +                                                                         \
+                q * (1.0 / 120 + q * (-1.0 / 5040 + q * (1.0 / 362880 + q * (-1.0 / 39916800))))))
+#define RG_COS(q)                                                                                  \
+    (1.0 + q * (-0.5 + q * (1.0 / 24 +                                                             \
+                            q * (-1.0 / 720 + q * (1.0 / 40320 + q * (-1.0 / 3628800 +             \
+                                                                      q * (1.0 / 479001600)))))))
+/* atan(t) / t in q = t^2, |t| <= tan(pi/8): meets it at the eleven Chebyshev nodes (relative error
+ * 3e-17). Even and odd powers of q apart, in q2 = q^2: two short chains instead of a long one. */
+#define RG_ATAN_EVEN(q2)                                                                           \
+    (1.0 + q2 * (0.1999999999885511 +                                                              \
+                 q2 * (0.11111106180455946 +                                                       \
+                       q2 * (0.07689953496306857 +                                                 \
+                             q2 * (0.056883492268090106 + q2 * (0.021135373157693246))))))
+#define RG_ATAN_ODD(q2)                                                                            \
+    (-0.3333333333332844 +                                                                         \
+     q2 * (-0.14285714180976467 +                                                                  \
+           q2 * (-0.09090773074808414 +                                                            \
+                 q2 * (-0.06640233930429408 + q2 * (-0.04348052215716462)))))
+/* exp(r), |r| <= ln(2) / 2: Taylor, even and odd powers of r apart, in r2 = r^2 */
+#define RG_EXP_EVEN(r2)                                                                            \
+    (1.0 + r2 * (0.5 + r2 * (1.0 / 24 + r2 * (1.0 / 720 + r2 * (1.0 / 40320 +                      \
+                                                                r2 * (1.0 / 3628800 +              \
+                                                                      r2 * (1.0 / 479001600)))))))
+#define RG_EXP_ODD(r2)                                                                             \
+    (1.0 + r2 * (1.0 / 6 +                                                                         \
+                 r2 * (1.0 / 120 +                                                                 \
+                       r2 * (1.0 / 5040 + r2 * (1.0 / 362880 + r2 * (1.0 / 39916800 +              \
+                                                                     r2 * (1.0 / 6227020800)))))))
 
 /* sin(x) / x and cos(x) for any x */
 static inline void rg_turn(double x, double *sinc, double *cosine) {
+    const double q = x * x;
     if (fabs(x) <= RG_SMALL_TURN) {
-        *sinc = rg_small_sinc(x);
-        *cosine = rg_small_cos(x);
+        *sinc = RG_SINC(q);
+        *cosine = RG_COS(q);
     } else {
         *sinc = sin(x) / x;
         *cosine = cos(x);
@@ -50,16 +69,8 @@ static inline double rg_angle(double y, double x) {
     const double down = steep ? least + most : most;
     const double t = up / rg_max(down, 0x1p-1022);
     const double q = t * t, q2 = q * q;
-    /* even and odd powers apart: two short chains instead of a long one */
-    const double even =
-        1.0 + q2 * (0.1999999999885511 +
-                    q2 * (0.11111106180455946 +
-                          q2 * (0.07689953496306857 +
-                                q2 * (0.056883492268090106 + q2 * (0.021135373157693246)))));
-    const double odd = -0.3333333333332844 +
-                       q2 * (-0.14285714180976467 +
-                             q2 * (-0.09090773074808414 +
-                                   q2 * (-0.06640233930429408 + q2 * (-0.04348052215716462))));
+    const double even = RG_ATAN_EVEN(q2);
+    const double odd = RG_ATAN_ODD(q2);
     const double octant = t * (even + q * odd) + (steep ? 0.25 * RG_PI : 0.0);
     const double quadrant = high > wide ? 0.5 * RG_PI - octant : octant;
     return copysign(x < 0.0 ? RG_PI - quadrant : quadrant, y);
@@ -73,17 +84,8 @@ static inline double rg_decay(double x) {
     /* ln(2) in two parts, the first short enough for its product with n to be exact */
     const double r = (n * 0x1.62e42feep-1 - x) + n * 1.90821492927058770002e-10;
     const double r2 = r * r;
-    const double even =
-        1.0 +
-        r2 * (0.5 + r2 * (1.0 / 24 +
-                          r2 * (1.0 / 720 + r2 * (1.0 / 40320 +
-                                                  r2 * (1.0 / 3628800 + r2 * (1.0 / 479001600))))));
-    const double odd =
-        1.0 +
-        r2 * (1.0 / 6 +
-              r2 * (1.0 / 120 +
-                    r2 * (1.0 / 5040 +
-                          r2 * (1.0 / 362880 + r2 * (1.0 / 39916800 + r2 * (1.0 / 6227020800))))));
+    const double even = RG_EXP_EVEN(r2);
+    const double odd = RG_EXP_ODD(r2);
     uint64_t bits;
     memcpy(&bits, &shifted, sizeof bits);
     bits = (1023u - bits) << 52;

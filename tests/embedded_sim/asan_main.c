@@ -93,9 +93,10 @@ static void evaluate(const rg_model *m, const rg_behaviour *b, int expected) {
         own[i].cruise_speed = 1.0 + 0.2 * i;
         own[i].search_curvature = 0.1 * i;
     }
-    rg_trials set = {STEPS, TRIALS, genomes, scenarios, seeds, own, fitness, deposits};
-    for (int pass = 0; pass < 2; pass++) {
-        set.behaviours = pass ? own : NULL;
+    rg_trials set = {STEPS, TRIALS, 0, genomes, scenarios, seeds, own, fitness, deposits};
+    for (int pass = 0; pass < 4; pass++) {
+        set.behaviours = pass & 1 ? own : NULL;
+        set.one_by_one = pass & 2;
         const int status = rg_evaluate(m, b, &set, at);
         if (status != expected)
             fail("evaluate", status);
