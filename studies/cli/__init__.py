@@ -26,6 +26,7 @@ COMMANDS = (
     "import_",
     "gap",
     "study",
+    "transfer",
     "reference",
     "diagnose",
     "effects",

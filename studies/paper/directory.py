@@ -14,32 +14,54 @@ import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, Protocol, TypeVar
+
+from pydantic import BaseModel
 
 from embedded_sim.errors import InputError
+from studies.experiment import RunConfig
 from studies.output import whole_directory, whole_file
-from studies.paper.conditions import PlannedRun, StudyConfig
 from studies.provenance import versions, write_json
 
 SCHEMA = 1
 RUN_FILES = ("run.json", "truth.json", "generations.parquet", "deposits.parquet")
 
 
-class StudyDirectory:
+class Planned(Protocol):
+    """A run of a study."""
+
+    @property
+    def name(self) -> str:
+        """Of its directory."""
+
+    @property
+    def config(self) -> RunConfig:
+        """What is run."""
+
+    @property
+    def cost(self) -> float:
+        """Expected computing time in any unit."""
+
+
+Study = TypeVar("Study", bound=BaseModel)
+Run = TypeVar("Run", bound=Planned)
+
+
+class StudyDirectory(Generic[Study, Run]):
     """The directory, held by one process at a time."""
 
-    def __init__(self, out: Path, study: StudyConfig, runs: tuple[PlannedRun, ...]) -> None:
+    def __init__(self, out: Path, study: Study, runs: tuple[Run, ...]) -> None:
         self.out, self.study, self.runs = out, study, runs
         self._notes: dict[str, Any] = {
             "schema": SCHEMA,
-            "configuration": study.model_dump(),
+            "configuration": study.model_dump(mode="json"),
             "versions": versions(),
             "seeds": {run.name: run.config.seed for run in runs},
             "sessions": [],
         }
 
     @contextmanager
-    def held(self) -> Iterator[StudyDirectory]:
+    def held(self) -> Iterator[StudyDirectory[Study, Run]]:
         """Make or resume the directory and keep other studies out of it.
 
         Raises:
@@ -61,11 +83,11 @@ class StudyDirectory:
             self._resume()
             yield self
 
-    def path(self, run: PlannedRun) -> Path:
+    def path(self, run: Run) -> Path:
         """Where a run's files are."""
         return self.out / "runs" / run.name
 
-    def pending(self) -> list[PlannedRun]:
+    def pending(self) -> list[Run]:
         """Runs that are not whole, longest first; remains of killed ones are removed."""
         for remains in (self.out / "runs").glob(".*"):
             shutil.rmtree(remains, ignore_errors=True)
@@ -77,7 +99,7 @@ class StudyDirectory:
                 left.append(run)
         return sorted(left, key=lambda run: -run.cost)
 
-    def keep(self, run: PlannedRun, files: dict[str, bytes]) -> None:
+    def keep(self, run: Run, files: dict[str, bytes]) -> None:
         """Write a finished run; its directory appears when it is whole."""
         with whole_directory(self.path(run)) as part:
             for name, content in files.items():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
+from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from studies.execution import Workers, completed
 from studies.experiment import simulate
 from studies.machine import Cores
 from studies.paper.conditions import PlannedRun
-from studies.paper.directory import StudyDirectory
+from studies.paper.directory import Run, Study, StudyDirectory
 from studies.paper.tally import Tally
 
 
@@ -26,8 +27,20 @@ def run_files(run: PlannedRun) -> dict[str, bytes]:
         return {path.name: path.read_bytes() for path in sorted(Path(scratch).iterdir())}
 
 
-def execute(directory: StudyDirectory, workers: Workers, *, quiet: bool) -> None:
+def execute(
+    directory: StudyDirectory[Study, Run],
+    workers: Workers,
+    work: Callable[[Run], dict[str, bytes]],
+    *,
+    quiet: bool,
+) -> None:
     """Do the runs that are missing and write down what they took.
+
+    Args:
+        directory: The study's.
+        workers: Where.
+        work: Makes a run's files by name.
+        quiet: Show nothing.
 
     Raises:
         RunsFailed: some runs raised; the others are kept.
@@ -43,7 +56,7 @@ def execute(directory: StudyDirectory, workers: Workers, *, quiet: bool) -> None
     try:
         with (
             Tally(directory.runs, pending, quiet=quiet) as tally,
-            closing(completed(run_files, pending, workers, note=tally.say)) as runs,
+            closing(completed(work, pending, workers, note=tally.say)) as runs,
         ):
             for done in runs:
                 if done.value is None:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from studies.output import whole_file
 from studies.paper import figures
-from studies.paper.conditions import LABELS
+from studies.paper.conditions import LABELS, PlannedRun, StudyConfig
 from studies.paper.directory import StudyDirectory
 from studies.paper.page import Section, Table, number, write_page
 from studies.paper.readings import VARIANTS, depends, mean_food, weigh_readings
@@ -34,7 +34,7 @@ TEXT = (
 )
 
 
-def write_readings(directory: StudyDirectory) -> pd.DataFrame:
+def write_readings(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.DataFrame:
     """Make everything from the runs of a finished study; returns what the claims depend on."""
     out, study = directory.out, directory.study
     tables = collect(directory)

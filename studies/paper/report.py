@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from studies.output import whole_file
 from studies.paper import figures, gap, gap_figures
+from studies.paper.conditions import PlannedRun, StudyConfig
 from studies.paper.directory import StudyDirectory
 from studies.paper.page import Picture, Section, Table, number, write_page
 from studies.paper.tables import StudyTables, collect
@@ -29,7 +30,7 @@ CAPTIONS = {
 }
 
 
-def write_report(directory: StudyDirectory) -> pd.DataFrame:
+def write_report(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.DataFrame:
     """Make everything from the runs of a finished study; returns the claims table."""
     out, study = directory.out, directory.study
     tables = collect(directory)
@@ -104,7 +105,7 @@ def claimed(low: float, high: float) -> str:
     return f"< {number(high)}" if low == float("-inf") else f"{number(low)} to {number(high)}"
 
 
-def lead_line(directory: StudyDirectory, claims: pd.DataFrame) -> str:
+def lead_line(directory: StudyDirectory[StudyConfig, PlannedRun], claims: pd.DataFrame) -> str:
     """What was run and how it came out, in two sentences."""
     study, counts = directory.study, claims["verdict"].value_counts()
     found = ", ".join(
@@ -117,7 +118,7 @@ def lead_line(directory: StudyDirectory, claims: pd.DataFrame) -> str:
     )
 
 
-def settings_sections(directory: StudyDirectory) -> list[Section]:
+def settings_sections(directory: StudyDirectory[StudyConfig, PlannedRun]) -> list[Section]:
     """Settings, versions, computing time and seeds."""
     notes: dict[str, Any] = directory.notes
     facts = {**notes["configuration"], **notes["versions"]}

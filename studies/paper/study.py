@@ -7,7 +7,7 @@ from pathlib import Path
 from studies.execution import Workers
 from studies.paper.conditions import PAPER, StudyConfig, plan
 from studies.paper.directory import StudyDirectory
-from studies.paper.execution import execute
+from studies.paper.execution import execute, run_files
 from studies.paper.readings import reading_conditions
 from studies.paper.readings_report import write_readings
 from studies.paper.report import write_report
@@ -24,7 +24,7 @@ def run_study(study: StudyConfig, out: Path, workers: Workers, *, quiet: bool = 
     readings = study.study == "readings"
     runs = plan(study, reading_conditions() if readings else PAPER)
     with StudyDirectory(out, study, runs).held() as directory:
-        execute(directory, workers, quiet=quiet)
+        execute(directory, workers, run_files, quiet=quiet)
         if readings:
             write_readings(directory)
         else:

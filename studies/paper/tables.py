@@ -16,7 +16,7 @@ import pandas as pd
 
 from embedded_sim import SCENARIOS
 from embedded_sim.breeding import third
-from studies.paper.conditions import PlannedRun
+from studies.paper.conditions import PlannedRun, StudyConfig
 from studies.paper.directory import StudyDirectory
 
 HALVES = ("first", "second")
@@ -44,7 +44,7 @@ class StudyTables:
         return rows[column].to_numpy(dtype=np.float64)
 
 
-def collect(directory: StudyDirectory) -> StudyTables:
+def collect(directory: StudyDirectory[StudyConfig, PlannedRun]) -> StudyTables:
     """Read every run of a finished study."""
     rows, generations = [], []
     for run in directory.runs:

@@ -9,7 +9,7 @@ from types import TracebackType
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
-from studies.paper.conditions import PlannedRun
+from studies.paper.directory import Planned
 
 LINE_SECONDS = 15.0
 """s between plain lines where there is no terminal; our choice."""
@@ -18,9 +18,7 @@ LINE_SECONDS = 15.0
 class Tally:
     """A bar on a terminal, plain lines elsewhere, nothing when quiet."""
 
-    def __init__(
-        self, runs: Sequence[PlannedRun], pending: Sequence[PlannedRun], *, quiet: bool
-    ) -> None:
+    def __init__(self, runs: Sequence[Planned], pending: Sequence[Planned], *, quiet: bool) -> None:
         self._total, self._done = len(runs), len(runs) - len(pending)
         self._cost_left = sum(run.cost for run in pending)
         self._cost_done = self._minutes = 0.0
@@ -56,7 +54,7 @@ class Tally:
         if self._bar is not None:
             self._bar.stop()
 
-    def finished(self, run: PlannedRun) -> None:
+    def finished(self, run: Planned) -> None:
         """One more run is kept."""
         self._done += 1
         self._minutes += run.config.minutes

@@ -17,7 +17,7 @@ from embedded_sim.errors import InputError
 from studies.execution import Workers, WorkersLost, completed
 from studies.paper.conditions import PAPER, PlannedRun, StudyConfig, plan
 from studies.paper.directory import StudyDirectory
-from studies.paper.execution import RunsFailed, execute
+from studies.paper.execution import RunsFailed, execute, run_files
 from tests.studies.small_study import TINY, WORDS, results
 
 CLI = (sys.executable, "-c", "from studies.cli import main; main()", "study", "paper")
@@ -32,7 +32,7 @@ def local(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def _execute(out: Path, workers: Workers, study: StudyConfig = TINY) -> None:
     with StudyDirectory(out, study, plan(study, PAPER)).held() as directory:
-        execute(directory, workers, quiet=True)
+        execute(directory, workers, run_files, quiet=True)
 
 
 def _until(condition: Callable[[], object], seconds: float = 300.0) -> None:
@@ -133,7 +133,7 @@ def test_a_killed_worker_is_replaced_and_its_run_repeated(
                 os.kill(killed[0], signal.SIGKILL)
 
         directory.keep = keep_and_kill  # type: ignore[method-assign]
-        execute(directory, Workers(1), quiet=False)
+        execute(directory, Workers(1), run_files, quiet=False)
     assert killed
     said = capfd.readouterr().err
     assert "a worker died: starting" in said
@@ -166,7 +166,7 @@ def test_a_run_that_fails_does_not_cost_the_others(
     object.__setattr__(runs[0], "config", broken)
     with StudyDirectory(tmp_path / "study", TINY, runs).held() as directory:
         with pytest.raises(RunsFailed, match="no-light-00"):
-            execute(directory, Workers(1), quiet=True)
+            execute(directory, Workers(1), run_files, quiet=True)
         assert [run.name for run in directory.pending()] == ["no-light-00"]
 
 
@@ -249,7 +249,7 @@ def test_a_cluster_that_loses_a_worker_computes_the_same_bytes(
             processes[0].kill()
 
         directory.keep = keep_and_kill  # type: ignore[method-assign]
-        execute(directory, Workers(1, address), quiet=True)
+        execute(directory, Workers(1, address), run_files, quiet=True)
         assert directory.sessions[-1]["scheduler"] == address
     assert processes[0].poll() is not None
     assert results(out) == results(local)

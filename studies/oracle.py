@@ -1,0 +1,41 @@
+"""The model that a diagnosis would write if it knew everything: true parameters from the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from models.catalogue import every_cause
+from models.extension import Extension, NamedCause, ParameterValue
+from models.modelfile import find_model_file, read_model_file
+from reality.effects import Hidden
+from studies.diagnosis_files import write_extended
+
+
+def oracle(hidden: Iterable[Hidden]) -> Extension:
+    """The causes and values of what is hidden, as a model's extension.
+
+    Raises:
+        InputError: an effect that the point model has no term for.
+    """
+    return Extension(command="oracle: true parameters", causes=tuple(map(_cause, hidden)))
+
+
+def _cause(hidden: Hidden) -> NamedCause:
+    name, values = hidden.effect.name, hidden.values
+    cause = every_cause()[name]
+    return NamedCause(
+        name=name,
+        robots=hidden.robots or "all",
+        word=str(values[cause.word]) if cause.word else "",
+        parameters={
+            p.name: ParameterValue(value=float(values[p.name]), unit=p.unit)
+            for p in cause.parameters
+        },
+    )
+
+
+def write_oracle(hidden: Iterable[Hidden], out: Path) -> None:
+    """Write the shipped e-puck, corrected, as `extended.toml` with its sensor tables."""
+    source = find_model_file(None)
+    write_extended(read_model_file(source), source, oracle(hidden), out)

@@ -1,0 +1,1 @@
+"""Does a better model bring more food? Three models on board, in altered realities."""

@@ -1,0 +1,127 @@
+"""What the study runs: per alteration the same seeds under three models and fixed controllers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from embedded_sim.errors import InputError
+from studies.experiment import FIXED_GENOMES, GenomeName, RunConfig
+from studies.paper.conditions import run_seed
+from studies.transfer.alterations import Alteration
+
+ModelKind = Literal["minimal", "extended", "oracle"]
+MODELS: tuple[ModelKind, ...] = ("minimal", "extended", "oracle")
+TRIALS = 16
+"""60 s trials per genome. One has a standard deviation of 20 to 35 s on means of 16 s (search) to
+64 s (the best controller), so that the best of ten single trials is mostly luck. Of 16 the mean has
+5 to 9 s: enough to tell what pays three times as much, as the best of nine does. Our choice."""
+LOG_MINUTES = 4.0
+"""Minutes of the log that is diagnosed: four generations of ten robots; our choice."""
+
+
+class TransferConfig(BaseModel):
+    """Everything the study's results depend on."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    study: Literal["transfer"] = "transfer"
+    alterations: Annotated[tuple[Alteration, ...], Field(min_length=1)]
+    runs: Annotated[int, Field(ge=1, le=10_000)] = 10
+    """Paired runs of each model."""
+    bars: Annotated[int, Field(ge=0, le=10_000)] = 3
+    """Runs of each of the three fixed controllers, on the first of the same seeds."""
+    minutes: Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)] = 20.0
+    log_minutes: Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)] = LOG_MINUTES
+    robots: Annotated[int, Field(ge=1, le=100)] = 10
+    seed: Annotated[int, Field(ge=0)] = 0
+    trials: Annotated[int, Field(ge=1, le=1000)] = TRIALS
+    genome: GenomeName = "paper"
+    extended: str | None = None
+    """A given extended model; None: diagnosed from a log recorded in the altered reality."""
+
+
+@dataclass(frozen=True)
+class TransferRun:
+    """One run."""
+
+    name: str
+    alteration: Alteration
+    controller: str
+    """The model on board, or a fixed controller."""
+    index: int
+    config: RunConfig
+
+    @property
+    def cost(self) -> float:
+        """All runs of a kind are equal, so that they are done in the plan's order."""
+        return self.config.minutes * self.config.robots
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """What is hidden in it."""
+        return self.alteration.effects
+
+
+def plan(study: TransferConfig) -> tuple[TransferRun, ...]:
+    """All runs: first pairs of the minimal and the extended model, then the bars, then the oracle.
+
+    A study that is stopped early so has whole pairs.
+    """
+    runs = []
+    for index in range(study.runs):
+        for one in study.alterations:
+            runs += [_run(study, one, model, index) for model in ("minimal", "extended")]
+    for index in range(min(study.bars, study.runs)):
+        for one in study.alterations:
+            runs += [_run(study, one, controller, index) for controller in FIXED_GENOMES]
+    for index in range(study.runs):
+        runs += [_run(study, one, "oracle", index) for one in study.alterations]
+    return tuple(runs)
+
+
+def _run(study: TransferConfig, one: Alteration, controller: str, index: int) -> TransferRun:
+    fixed = controller in FIXED_GENOMES
+    return TransferRun(
+        name=f"{one.name}.{controller}-{index:02d}",
+        alteration=one,
+        controller=controller,
+        index=index,
+        config=RunConfig(
+            case=one.case,
+            controller=controller if fixed else "coevolution",
+            minutes=study.minutes,
+            robots=study.robots,
+            seed=run_seed(study.seed, f"transfer.{one.name}", index),
+            samples=False,
+            trials=1 if fixed else study.trials,
+            genome="paper" if fixed else study.genome,
+        ),
+    )
+
+
+def log_config(study: TransferConfig, one: Alteration) -> RunConfig:
+    """The run whose log is diagnosed: the minimal model on board, a seed of its own."""
+    return RunConfig(
+        case=one.case,
+        minutes=study.log_minutes,
+        robots=study.robots,
+        seed=run_seed(study.seed, f"transfer.{one.name}.log", 0),
+    )
+
+
+def transfer_config(**values: Any) -> TransferConfig:
+    """The study's configuration.
+
+    Raises:
+        InputError: the first value that cannot be used.
+    """
+    try:
+        return TransferConfig(**values)
+    except ValidationError as error:
+        first = error.errors()[0]
+        field_name = str(first["loc"][0]).replace("_", "-")
+        expected = first["msg"].removeprefix("Input should be ")
+        raise InputError(f"--{field_name}", first["input"], f"a value {expected}") from None
