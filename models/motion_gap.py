@@ -111,7 +111,7 @@ def _horizon(
     conditions = window_conditions(log, table, pairs, between)
     free = np.ones(len(pairs.first), dtype=bool)
     if seconds <= CLEAR_TO:
-        free = _throughout(clear(table), pairs)
+        free = throughout(clear(table), pairs)
     if not free.any():
         free[:] = True
     maps = _maps(log, error, floor, conditions, free, pairs, rng, family)
@@ -220,7 +220,7 @@ def _maps(
     return residual_maps(found, kept, CHANNELS, rng, family=family)
 
 
-def _throughout(ok: npt.NDArray[np.bool_], pairs: Windows) -> npt.NDArray[np.bool_]:
+def throughout(ok: npt.NDArray[np.bool_], pairs: Windows) -> npt.NDArray[np.bool_]:
     """(windows,) whether every row of a window is ok."""
     bad = np.concatenate([[0], np.cumsum(~ok)])
     return np.asarray(bad[pairs.last + 1] == bad[pairs.first])

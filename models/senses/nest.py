@@ -46,6 +46,8 @@ class Answers(NamedTuple):
     block: npt.NDArray[np.int64]
     """(rows,) counted through."""
     robot: npt.NDArray[np.int64]
+    rows: npt.NDArray[np.int64]
+    """(rows,) of the log."""
 
 
 class NestFound(NamedTuple):
@@ -78,6 +80,7 @@ def answers(log: MeasuredLog) -> Answers | None:
         told[rows] > 0.5,
         np.unique(key[rows], return_inverse=True)[1],
         log.frame["robot"].to_numpy(dtype=np.int64)[rows],
+        rows,
     )
 
 
@@ -107,7 +110,8 @@ def crossed(seen: Answers) -> list[int]:
 
 
 def _only(seen: Answers, rows: npt.NDArray[np.bool_]) -> Answers:
-    return Answers(seen.place[rows], seen.inside[rows], seen.block[rows], seen.robot[rows])
+    place, inside, block, robot, of_log = seen
+    return Answers(place[rows], inside[rows], block[rows], robot[rows], of_log[rows])
 
 
 def _loss(

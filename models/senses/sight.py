@@ -68,7 +68,11 @@ class Sight:
 
 
 def look(
-    log: MeasuredLog, model: PointModel, seen: Mapping[int, tuple[Motion, Motion]] | None = None
+    log: MeasuredLog,
+    model: PointModel,
+    seen: Mapping[int, tuple[Motion, Motion]] | None = None,
+    *,
+    most: int = MOST_ROWS,
 ) -> Sight:
     """Cut a log.
 
@@ -77,12 +81,13 @@ def look(
         model: What the simulator believes; with sensor tables.
         seen: By robot, its healthy motion and the one found: what the second has of marker offsets
             beyond the first is taken off the measured poses.
+        most: Rows, evenly in time.
     """
     replayed = replay_log(log, model.drive)
     noise = pose_noise(log, replayed)
     tracked = np.flatnonzero(log.tracked)
     robot_of = log.frame["robot"].to_numpy(dtype=np.int64)
-    stride = max(1, -(-len(tracked) // MOST_ROWS))
+    stride = max(1, -(-len(tracked) // most))
     tick = np.round((log.t - log.t.min()) / log.step).astype(np.int64)
     rows = tracked[tick[tracked] % stride == 0]
     rows = rows[np.argsort(robot_of[rows], kind="stable")]

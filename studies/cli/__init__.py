@@ -29,6 +29,7 @@ COMMANDS = (
     "transfer",
     "reference",
     "diagnose",
+    "gain",
     "effects",
     "blind",
 )

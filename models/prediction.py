@@ -1,0 +1,238 @@
+"""How far models are off in a log: motion by horizon, infrared, light, the nest.
+
+Every model is asked the same: windows and readings are chosen by the first one and by the
+measurements, never by what a model gets right. Errors are absolute; sums and numbers are kept, by
+robot and by stretch of time, so that means can be taken and resampled over any of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from embedded_sim import SENSORS, PointModel, Tables
+from embedded_sim.model import FloatArray
+from models.believed import motions, replay_believed
+from models.causes import Motion
+from models.conditions import clear, conditions
+from models.log import MeasuredLog
+from models.modelfile import ModelFile
+from models.motion_gap import CLEAR_TO, throughout
+from models.replay import HORIZONS, errors, windows
+from models.schema import LS, PS
+from models.senses.cause import Belief
+from models.senses.direct import noise_scale
+from models.senses.nest import answers
+from models.senses.predicted import noise, predict
+from models.senses.sight import Sight, look, poses_as_stood
+from models.sensor_gap import sensors_to_judge
+
+BLOCK_SECONDS = 20.0
+"""s of one robot that are kept together for resampling: longer than a turn or a contact lasts."""
+SEEN = 20.0
+"""counts that the first model must expect for an infrared reading to be judged: the wall is there.
+Our choice: four times the noise of a reading of nothing."""
+MOST_ROWS = 6000
+"""Rows of a run whose sensors are judged: five a second of ten robots in two minutes."""
+COLUMNS = (
+    "model",
+    "kind",
+    "channel",
+    "horizon",
+    "unit",
+    "robot",
+    "block",
+    "total",
+    "number",
+)
+Counts = npt.NDArray[np.int64]
+
+
+class _Cells(NamedTuple):
+    """Robots times blocks of time."""
+
+    robots: tuple[int, ...]
+    blocks: int
+
+    def sums(self, robot: Counts, time: FloatArray, error: FloatArray) -> pd.DataFrame:
+        """Sum and number of errors in each cell; `robot` (n,) index, `time` (n,) s."""
+        known = np.isfinite(error)
+        cell = robot * self.blocks + (time / BLOCK_SECONDS).astype(np.int64)
+        size = len(self.robots) * self.blocks
+        number = np.bincount(cell[known], minlength=size)
+        total = np.bincount(cell[known], error[known], size)
+        frame = pd.DataFrame(
+            {
+                "robot": np.repeat(self.robots, self.blocks),
+                "block": np.tile(np.arange(self.blocks), len(self.robots)),
+                "total": total,
+                "number": number,
+            }
+        )
+        return frame[frame["number"] > 0]
+
+
+def prediction_errors(
+    log: MeasuredLog, models: Mapping[str, ModelFile], tables: Tables | None
+) -> pd.DataFrame:
+    """Absolute errors of several models in one run.
+
+    Args:
+        log: Measured, of one run.
+        models: By name; the first says what is judged, and none of the places differs.
+        tables: Captured; None: motion alone.
+
+    Returns:
+        A row per model, kind (motion, ps, ls, noise, nest), channel, horizon (motion), robot and
+        block of `BLOCK_SECONDS`: `total` of the absolute errors in `unit` and their `number`.
+
+    Raises:
+        InputError: an extension concerns a robot that the log does not have.
+    """
+    robots = np.unique(log.frame["robot"].to_numpy(dtype=np.int64))
+    since = log.t - log.t[log.start[:-1]][log.segment]
+    cells = _Cells(tuple(robots.tolist()), int(since.max() / BLOCK_SECONDS) + 1)
+    believed = {name: motions(log, file, name) for name, file in models.items()}
+    plain = next(iter(models.values()))
+    parts = _motion(log, plain, believed, cells, since)
+    point = plain.point_model(tables)
+    kinds = sensors_to_judge(log, point)
+    if kinds:
+        parts += _senses(log, models, believed, point, kinds, cells)
+    if plain.arena is not None:
+        parts += _nest(log, models, believed, point, cells, since)
+    table = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=COLUMNS)
+    return table[list(COLUMNS)]
+
+
+def _motion(
+    log: MeasuredLog,
+    plain: ModelFile,
+    believed: Mapping[str, Mapping[int, Motion]],
+    cells: _Cells,
+    since: FloatArray,
+) -> list[pd.DataFrame]:
+    """Position (m) and heading (rad) at the end of windows from every row, clear of contact where
+    windows are short enough for any to be."""
+    robot = np.searchsorted(cells.robots, log.frame["robot"].to_numpy(dtype=np.int64))
+    free = clear(conditions(log, plain)) & log.tracked
+    replayed = {name: replay_believed(log, motions) for name, motions in believed.items()}
+    parts = []
+    for horizon, length in HORIZONS.items():
+        pairs = windows(log, length)
+        if length <= CLEAR_TO and len(pairs.first):
+            kept = throughout(free, pairs)
+            pairs = type(pairs)(pairs.first[kept], pairs.last[kept])
+        if not len(pairs.first):
+            continue
+        for name, poses in replayed.items():
+            error = errors(log.poses, poses, pairs)
+            sizes = {
+                ("position", "m"): np.hypot(error[:, 0], error[:, 1]),
+                ("heading", "rad"): np.abs(error[:, 2]),
+            }
+            for (channel, unit), size in sizes.items():
+                sums = cells.sums(robot[pairs.first], since[pairs.first], size)
+                labels = {"model": name, "kind": "motion", "channel": channel}
+                parts.append(sums.assign(**labels, horizon=horizon, unit=unit))
+    return parts
+
+
+def _senses(
+    log: MeasuredLog,
+    models: Mapping[str, ModelFile],
+    believed: Mapping[str, Mapping[int, Motion]],
+    point: PointModel,
+    kinds: list[str],
+    cells: _Cells,
+) -> list[pd.DataFrame]:
+    """Infrared and light (counts) sensor by sensor, and how wrong the infrared's noise is."""
+    plain = look(log, point, most=MOST_ROWS)
+    none = [Belief(senses=point.senses)] * len(plain.robots)
+    expected = predict(plain, point, none)
+    use = plain.free & np.isfinite(plain.read)
+    judged = {
+        "ps": use[:, :SENSORS] & (expected[:, :SENSORS] > SEEN),
+        "ls": use[:, SENSORS:],
+    }
+    parts = []
+    for name, file in models.items():
+        seen = _askew(believed[name])
+        sight = look(log, point, seen, most=MOST_ROWS) if seen else plain
+        beliefs = [_belief(file, robot) for robot in sight.robots]
+        counts = predict(sight, point, beliefs)
+        error = np.abs(sight.read - counts)
+        halves = {"ps": error[:, :SENSORS], "ls": error[:, SENSORS:]}
+        for kind in kinds:
+            for k, channel in enumerate(PS if kind == "ps" else LS):
+                some = judged[kind][:, k]
+                sums = cells.sums(sight.robot[some], sight.time[some], halves[kind][some, k])
+                labels = {"model": name, "kind": kind, "channel": channel}
+                parts.append(sums.assign(**labels, horizon="", unit="counts"))
+        if "ps" in kinds:
+            parts.append(_noise(sight, point, beliefs, counts, use, name))
+    return parts
+
+
+def _noise(
+    sight: Sight,
+    point: PointModel,
+    beliefs: list[Belief],
+    counts: FloatArray,
+    use: npt.NDArray[np.bool_],
+    name: str,
+) -> pd.DataFrame:
+    """One number per robot: size of the logarithm of the infrared's noise over the expected."""
+    residual = np.where(use, (sight.read - counts) / noise(sight, point, beliefs, counts), 0.0)
+    wrong = np.abs(noise_scale(sight, residual, counts, use).value)
+    frame = pd.DataFrame({"robot": sight.robots, "block": 0, "total": wrong, "number": 1})
+    labels = {"model": name, "kind": "noise", "channel": "infrared noise"}
+    return frame[np.isfinite(wrong)].assign(**labels, horizon="", unit="log ratio")
+
+
+def _nest(
+    log: MeasuredLog,
+    models: Mapping[str, ModelFile],
+    believed: Mapping[str, Mapping[int, Motion]],
+    point: PointModel,
+    cells: _Cells,
+    since: FloatArray,
+) -> list[pd.DataFrame]:
+    """Share of the virtual sensor's answers about the nest that are predicted wrongly."""
+    seen = answers(log)
+    if seen is None:
+        return []
+    rows = seen.rows
+    robot = np.searchsorted(cells.robots, seen.robot)
+    parts = []
+    for name, file in models.items():
+        poses = poses_as_stood(log, point, rows, log.poses[rows], _askew(believed[name]))
+        wrong = np.zeros(len(rows))
+        for k, one in enumerate(cells.robots):
+            mine = robot == k
+            x, y, radius = _belief(file, one).of(point).nest
+            inside = np.hypot(poses[mine, 0] - x, poses[mine, 1] - y) < radius
+            wrong[mine] = inside != seen.inside[mine]
+        labels = {"model": name, "kind": "nest", "channel": "nest"}
+        sums = cells.sums(robot, since[rows], wrong)
+        parts.append(sums.assign(**labels, horizon="", unit="share"))
+    return parts
+
+
+def _belief(file: ModelFile, robot: int) -> Belief:
+    """What a model file has one robot believe of its senses."""
+    return Belief() if file.extension is None else file.extension.sensed(robot)
+
+
+def _askew(believed: Mapping[int, Motion]) -> dict[int, tuple[Motion, Motion]]:
+    """Robots whose marker or tracker's clock is believed off: without that, and with it."""
+    return {
+        robot: (replace(motion, lever=(0.0, 0.0), yaw_offset=0.0, pose_delay=0.0), motion)
+        for robot, motion in believed.items()
+        if any((*motion.lever, motion.yaw_offset, motion.pose_delay))
+    }

@@ -1,0 +1,78 @@
+"""`realitygap gain`: what naming a cause is worth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from studies.cli import app
+from studies.cli.options import Force, Out, Quiet
+
+EXAMPLE = (
+    "Example: realitygap gain --log out/odd --extended out/odd-diagnosis/extended.toml "
+    "--effect wheel_radius_mismatch:ratio=1.02,robot=3 --out out/odd-gain"
+)
+
+
+@app.command(epilog=EXAMPLE)
+def gain(
+    log: Annotated[
+        list[Path],
+        typer.Option(help="Measured log or run; repeatable. Held out unless it was named from."),
+    ],
+    extended: Annotated[str, typer.Option(help="The extended.toml of a diagnosis.")],
+    out: Out,
+    effect: Annotated[
+        Optional[list[str]],  # noqa: UP045 - typer reads this at run time
+        typer.Option(help="What was hidden: fresh runs are recorded with it; repeatable."),
+    ] = None,
+    healthy: Annotated[
+        Optional[list[Path]],  # noqa: UP045
+        typer.Option(help="Log of sound robots, for the level that can be reached; repeatable."),
+    ] = None,
+    runs: Annotated[int, typer.Option(help="Fresh runs to record.")] = 6,
+    minutes: Annotated[float, typer.Option(help="Simulated minutes of each.")] = 2.0,
+    seed: Annotated[int, typer.Option(min=0, help="Of the fresh runs and the intervals.")] = 0,
+    jobs: Annotated[
+        Optional[int],  # noqa: UP045
+        typer.Option(help="Processes; all cores if absent."),
+    ] = None,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Measure the gain: how well an extended model predicts runs that nothing was named from.
+
+    Errors by channel and horizon of the minimal model, of healthy robots, of the extended model
+    and, where the truth is known, of the true parameters. Writes gain.json, errors.parquet and
+    report.html. Gain in food: `python -m studies.transfer`.
+    """
+    from studies.gain.measure import GainFailed, GainRequest, measure_gain
+    from studies.gain.report import write_gain
+    from studies.output import check_free, whole_directory
+    from studies.progress import Progress
+
+    check_free(out, force=force, holds=("gain.json",))
+    request = GainRequest(
+        logs=tuple(log),
+        extended=extended,
+        effects=tuple(effect or ()),
+        healthy=tuple(healthy or ()),
+        runs=runs,
+        minutes=minutes,
+        seed=seed,
+        jobs=jobs,
+    )
+    try:
+        with Progress("gain", 1.0, quiet) as shown:
+            found = measure_gain(request, shown.reach)
+    except GainFailed as error:
+        typer.echo(f"realitygap: {error}", err=True)
+        raise typer.Exit(1) from None
+    with whole_directory(out, force=force, holds=("gain.json",)) as part:
+        lines = write_gain(found, part)
+    if not quiet:
+        for line in lines:
+            typer.echo(line)
+        typer.echo(f"{out / 'report.html'}: written")

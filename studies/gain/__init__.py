@@ -1,0 +1,1 @@
+"""What naming a cause is worth: prediction on runs that nothing was named from."""

@@ -1,0 +1,175 @@
+"""`gain.json`, `errors.parquet` and `report.html`: what an extension gained, on one page."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import seaborn as sns
+from matplotlib.figure import Figure
+
+from models.log import write_table
+from models.replay import HORIZONS
+from studies.gain.measure import Gain
+from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
+from studies.gain.words import LABELS, SHOWN, number, percent, summary
+from studies.paper.page import Picture, Section, Table, write_page
+from studies.provenance import write_json
+
+DPI = 100
+COLOURS = {BEFORE: "#b0413e", HEALTHY: "#7f7f7f", EXTENDED: "#2f6f9f", ORACLE: "#222222"}
+BY_HORIZON = (
+    "Mean error of prediction against how far ahead, with 95 % intervals over runs. Windows of up "
+    "to one second are clear of wall and robots; longer ones nearly always meet some. Grey: what "
+    "the minimal model gets wrong of healthy robots, the level that an extension can reach."
+)
+SENSES = (
+    "Mean error of the readings that wall and lamp alone can have caused, sensor by sensor, with "
+    "95 % intervals."
+)
+BY_RUN = "The same one second ahead, run by run: scenarios the cause was not named from included."
+
+
+def write_gain(gain: Gain, out: Path) -> list[str]:
+    """Write everything into an existing directory; returns the lines of the summary."""
+    lines = summary(gain.content)
+    write_json(out / "gain.json", {**gain.content, "summary": lines})
+    write_table(gain.table, out / "errors.parquet", {})
+    with tempfile.TemporaryDirectory(prefix="realitygap-") as room:
+        sections = [
+            _pictures(gain, Path(room)),
+            _numbers(gain.content),
+            _runs(gain.content),
+            _named(gain.content),
+        ]
+        write_page(out / "report.html", "Gain", lines[0], sections)
+    return lines
+
+
+def _pictures(gain: Gain, room: Path) -> Section:
+    errors = gain.content["errors"]
+    drawn = []
+    if any(one["kind"] == "motion" for one in errors):
+        _draw_horizons(errors, room / "horizons.png")
+        drawn.append(Picture(room / "horizons.png", BY_HORIZON))
+    if any(one["kind"] in ("ps", "ls") for one in errors):
+        _draw_senses(errors, room / "senses.png")
+        drawn.append(Picture(room / "senses.png", SENSES))
+    if len(gain.content["by_run"]) > 1:
+        _draw_runs(gain.content, room / "runs.png")
+        drawn.append(Picture(room / "runs.png", BY_RUN))
+    return Section("What naming the cause is worth", summary(gain.content), figures=drawn)
+
+
+def _numbers(content: Mapping[str, Any]) -> Section:
+    rows = [
+        {
+            "channel": one["channel"],
+            "ahead": one["horizon"],
+            **{LABELS[name]: number(one[name], one["unit"]) for name in LABELS},
+            "of healthy": None if one["over_healthy"] is None else one["over_healthy"]["value"],
+            "gap closed": percent(one["closed"]),
+        }
+        for one in content["errors"]
+    ]
+    text = (
+        "Mean absolute errors with 95 % intervals over runs. The share of the gap closed is stated "
+        "only where the minimal model's error is surely larger than it is for healthy robots."
+    )
+    return Section("Every channel", [text], tables=[Table.of(pd.DataFrame(rows))])
+
+
+def _runs(content: Mapping[str, Any]) -> Section:
+    """The held-out runs."""
+    held = content["held_out"]
+    who = "all robots" if held["robots"] == "all" else f"robots {held['robots']}"
+    return Section(
+        "The held-out runs",
+        [f"Nothing was named from them; judged: {who}."],
+        tables=[Table.of(pd.DataFrame(held["runs"]))],
+    )
+
+
+def _named(content: Mapping[str, Any]) -> Section:
+    """The extension and where everything comes from."""
+    extended = content["extended"]
+    rows = [
+        {
+            "cause": cause["name"],
+            "which": cause["word"] or None,
+            "robots": str(cause["robots"]),
+            "values": "; ".join(
+                f"{name} {p['value']:.4g} {p['unit']}" for name, p in cause["parameters"].items()
+            ),
+        }
+        for cause in extended["causes"]
+    ]
+    texts = [
+        f"Named by: {extended['command'] or 'hand'}.",
+        f"From the log with SHA-256 {extended['log'] or 'unknown'}.",
+        f"Measured by: {content['command']}.",
+    ]
+    tables = [Table.of(pd.DataFrame(rows))] if rows else []
+    return Section("The extension", texts, tables=tables)
+
+
+def _draw_horizons(errors: list[dict[str, Any]], path: Path) -> None:
+    figure = _figure(10, 3.8)
+    for axis, channel in zip(figure.subplots(1, 2), ("position", "heading"), strict=True):
+        mine = [one for one in errors if one["kind"] == "motion" and one["channel"] == channel]
+        mine.sort(key=lambda one: list(HORIZONS).index(one["horizon"]))
+        factor, unit = SHOWN[mine[0]["unit"]]
+        for k, name in enumerate(name for name in COLOURS if any(one[name] for one in mine)):
+            known = [one for one in mine if one[name]]
+            x = np.array([list(HORIZONS).index(one["horizon"]) for one in known]) + 0.06 * k
+            value, low, high = (
+                factor * np.array([one[name][key] for one in known])
+                for key in ("value", "low", "high")
+            )
+            style = {"color": COLOURS[name], "label": LABELS[name]}
+            axis.errorbar(x, value, [value - low, high - value], marker="o", capsize=2, **style)
+        axis.set(yscale="log", ylabel=f"{channel} error ({unit})", xlabel="ahead")
+        axis.set_xticks(range(len(HORIZONS)), list(HORIZONS))
+    axis.legend(fontsize=8)
+    figure.savefig(path, dpi=DPI, metadata={"Software": ""})
+
+
+def _draw_senses(errors: list[dict[str, Any]], path: Path) -> None:
+    kinds = [kind for kind in ("ps", "ls") if any(one["kind"] == kind for one in errors)]
+    figure = _figure(10, 3.4)
+    for axis, kind in zip(np.atleast_1d(figure.subplots(1, len(kinds))), kinds, strict=True):
+        mine = [one for one in errors if one["kind"] == kind and one["channel"][-1].isdigit()]
+        for k, name in enumerate(name for name in COLOURS if any(one[name] for one in mine)):
+            known = [one for one in mine if one[name]]
+            x = np.array([int(one["channel"][-1]) for one in known]) + 0.12 * (k - 1)
+            value, low, high = (
+                np.array([one[name][key] for one in known]) for key in ("value", "low", "high")
+            )
+            style = {"color": COLOURS[name], "label": LABELS[name], "linestyle": ""}
+            axis.errorbar(x, value, [value - low, high - value], marker="o", capsize=2, **style)
+        axis.set(xlabel=f"{kind}0 to {kind}7", ylabel="error (counts)", ylim=(0, None))
+    axis.legend(fontsize=8)
+    figure.savefig(path, dpi=DPI, metadata={"Software": ""})
+
+
+def _draw_runs(content: Mapping[str, Any], path: Path) -> None:
+    rows = pd.DataFrame(content["by_run"])
+    one = rows[(rows["horizon"] == "1 s") & (rows["channel"] == "position")]
+    long = one.melt("run", [name for name in COLOURS if name in one], "model", "error").dropna()
+    long["error"] *= SHOWN["m"][0]
+    figure = _figure(10, 3.2)
+    axis = figure.subplots()
+    sns.stripplot(long, x="run", y="error", hue="model", palette=COLOURS, ax=axis, jitter=False)
+    axis.set(ylabel="position error 1 s ahead (mm)", ylim=(0, None))
+    axis.tick_params(axis="x", labelrotation=20)
+    axis.legend(fontsize=8, title=None)
+    figure.savefig(path, dpi=DPI, metadata={"Software": ""})
+
+
+def _figure(width: float, height: float) -> Figure:
+    sns.set_theme(style="whitegrid", font_scale=0.85)
+    return Figure(figsize=(width, height), layout="constrained")
