@@ -17,7 +17,7 @@ import pandas as pd
 
 from embedded_sim import SENSORS, PointModel, Tables
 from embedded_sim.model import FloatArray
-from models.believed import motions, replay_believed
+from models.believed import replay_believed
 from models.causes import Motion
 from models.conditions import clear, conditions
 from models.log import MeasuredLog
@@ -32,8 +32,8 @@ from models.senses.predicted import noise, predict
 from models.senses.sight import Sight, look, poses_as_stood
 from models.sensor_gap import sensors_to_judge
 
-BLOCK_SECONDS = 20.0
-"""s of one robot that are kept together for resampling: longer than a turn or a contact lasts."""
+BLOCK_SECONDS = 5.0
+"""s of one robot that are kept together for resampling, as elsewhere: longer than most contacts."""
 SEEN = 20.0
 """counts that the first model must expect for an infrared reading to be judged: the wall is there.
 Our choice: four times the noise of a reading of nothing."""
@@ -90,14 +90,13 @@ def prediction_errors(
     Returns:
         A row per model, kind (motion, ps, ls, noise, nest), channel, horizon (motion), robot and
         block of `BLOCK_SECONDS`: `total` of the absolute errors in `unit` and their `number`.
-
-    Raises:
-        InputError: an extension concerns a robot that the log does not have.
     """
     robots = np.unique(log.frame["robot"].to_numpy(dtype=np.int64))
     since = log.t - log.t[log.start[:-1]][log.segment]
     cells = _Cells(tuple(robots.tolist()), int(since.max() / BLOCK_SECONDS) + 1)
-    believed = {name: motions(log, file, name) for name, file in models.items()}
+    believed = {
+        name: {robot: file.motion(robot) for robot in cells.robots} for name, file in models.items()
+    }
     plain = next(iter(models.values()))
     parts = _motion(log, plain, believed, cells, since)
     point = plain.point_model(tables)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -133,11 +133,10 @@ def measure_gain(request: GainRequest, reach: Callable[[float], None] = lambda d
         true = None if known is None else oracle(models.plain, known)
         judged = _judged(models, known or [])
         tasks, runs = _given(held, models, true, judged), [{"run": str(path)} for path in held]
+        present = {int(r) for t in tasks if isinstance(t, Given) for r in t.table["robot"].unique()}
+        _check_robots(models, present, request.extended)
     tasks += _sound(request.healthy, models)
     table = _collect(tasks, request.jobs, reach)
-    if judged is not None and not table["robot"].isin(judged).any():
-        listed = ", ".join(str(robot) for robot in sorted(judged))
-        raise InputError("--log", "none of the robots concerned", f"a log with robots {listed}")
     told_of = "recorded" if request.effects else "logs"
     content = {
         "schema": SCHEMA,
@@ -210,8 +209,7 @@ def _to_record(
     """Fresh runs and their healthy twins, and what to say of them."""
     if request.runs < 1:
         raise InputError("--runs", request.runs, "at least 1")
-    if models.file.extension is not None:
-        models.file.extension.check_robots(range(robots), find_model_file(request.extended).name)
+    _check_robots(models, range(robots), request.extended)
     settings: dict[str, Any] = {
         "runs": request.runs,
         "minutes": request.minutes,
@@ -226,6 +224,12 @@ def _to_record(
     tasks += [Recorded(run, {HEALTHY: models.plain}, models.tables, drive) for run in twins]
     seen = [_kind(path) for path in naming]
     return tasks, [_notes(run, seen) for run in altered]
+
+
+def _check_robots(models: _Models, known: Collection[int], extended: str) -> None:
+    """Refuse an extension of robots that are in no run."""
+    if models.file.extension is not None:
+        models.file.extension.check_robots(known, find_model_file(extended).name)
 
 
 def _kind(run: Path) -> tuple[str, str] | None:

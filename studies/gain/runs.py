@@ -18,18 +18,18 @@ from embedded_sim.tables import Tables
 from models.log import MeasuredLog, make_log, read_log
 from models.modelfile import ModelFile
 from models.prediction import prediction_errors
-from studies.experiment import Case, Controller, RunConfig, simulate
+from studies.experiment import Case, RunConfig, simulate
 
-KINDS: tuple[tuple[Controller, Case], ...] = (
+KINDS: tuple[tuple[str, Case], ...] = (
     ("search", "no-light"),
     ("coevolution", "light-at-nest"),
     ("positive-phototaxis", "light-at-nest"),
     ("coevolution", "light-opposite-nest"),
     ("search", "light-opposite-nest"),
-    ("negative-phototaxis", "light-opposite-nest"),
+    ("probe:tour", "light-at-nest"),
 )
 """Controllers and cases of the recorded runs, in turn: whatever an extension was named from, most
-of them are another."""
+of them are another, and one is a manoeuvre that no forager makes."""
 BEFORE, HEALTHY, EXTENDED, ORACLE = "before", "healthy", "extended", "oracle"
 
 

@@ -20,7 +20,7 @@ from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
 RESAMPLED = 2000
 """Bootstrap samples; intervals are their 2.5 and 97.5 % quantiles."""
 LEAST_RUNS = 4
-"""Runs from which whole runs are resampled; of fewer, the 20 s blocks of each robot."""
+"""Runs from which whole runs are resampled; of fewer, the 5 s blocks of each robot."""
 MODELS = (BEFORE, HEALTHY, EXTENDED, ORACLE)
 KEYS = ["kind", "channel", "horizon"]
 KINDS = ("motion", "ps", "ls", "noise", "nest")

@@ -67,7 +67,8 @@ def told(one: Mapping[str, Any]) -> str:
 def summary(content: Mapping[str, Any]) -> list[str]:
     """At most six lines: what was gained, what remains, what is not known."""
     found = reduced(content)
-    lines = [told(one) for one in found[:3]]
+    first = [one for one in found if one["horizon"] in ("1 s", None)]
+    lines = [told(one) for one in (first or found)[:3]]
     if content["healthy"] is None:
         lines += [told(one) for one in content["errors"][:2]] + [NO_HEALTHY]
     elif not found:

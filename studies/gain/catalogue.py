@@ -1,0 +1,262 @@
+"""The gain over the whole catalogue: every effect hidden, named from one log, measured on others.
+
+Effects of single robots share runs, five robots of ten having one each; lamps, wall and nest have
+runs of their own. Nothing of the held-out runs (other seeds, controllers and cases) was seen by the
+diagnosis, which gets one log alone.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from models.log import SAMPLES
+from models.modelfile import find_model_file, read_model_file
+from models.tables import load_tables
+from reality.effects import catalogue
+from studies.blind.menu import MENU
+from studies.blind.record import COMMAND, diagnose
+from studies.blind.trials import Hidden
+from studies.execution import Workers, completed
+from studies.experiment import Case, RunConfig, simulate
+from studies.gain.oracle import hidden_by, oracle
+from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE, Recorded, measure_recorded, plan
+from studies.gain.weigh import weigh
+
+ROBOTS = 10
+CROWD = 5
+"""Robots of a run that each have an effect of their own."""
+MINUTES = 2.0
+"""Simulated, of the log that names and of each held-out run."""
+NAMING: tuple[tuple[str, Case], ...] = (
+    ("coevolution", "light-at-nest"),
+    ("search", "light-opposite-nest"),
+)
+"""Controller and case of the logs that name, in turn."""
+HIDDEN_BY_NATURE = ("floor_tilt",)
+"""Effects that no model has a term for: never named."""
+MOTION = (("position", "1 s"), ("heading", "1 s"))
+CHANNELS: dict[str, tuple[tuple[str, str | None], ...]] = {
+    "motion": MOTION,
+    "infrared": (("infrared", None),),
+    "light": (("light", None),),
+    "task": (("nest", None),),
+}
+"""Where effects of a kind show, but for these:"""
+ELSEWHERE: dict[str, tuple[tuple[str, str | None], ...]] = {
+    "ir_noise": (("infrared noise", None),),
+    "ir_rotation": (("infrared", None), ("light", None)),
+}
+
+
+@dataclass(frozen=True)
+class Group:
+    """One log that names, and the held-out runs of the same altered reality."""
+
+    index: int
+    hidden: tuple[Hidden, ...]
+    naming: RunConfig
+    runs: int
+    seed: int
+    """Of the held-out runs."""
+
+    @property
+    def specs(self) -> tuple[str, ...]:
+        """As `--effect` takes them."""
+        return tuple(one.spec for one in self.hidden)
+
+
+def groups(
+    names: Sequence[str], *, times: float, runs: int, seed: int, draws: int
+) -> tuple[Group, ...]:
+    """All groups; sizes are `times` the bars of the blind battery's menu."""
+    own = [name for name in names if catalogue()[name].per_robot]
+    crowds = [own[k : k + CROWD] for k in range(0, len(own), CROWD)]
+    alone = [[name] for name in names if name not in own]
+    planned = []
+    for index, members in enumerate((crowds + alone) * draws):
+        random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(index,)))
+        robots = random.choice(ROBOTS, len(members), replace=False).tolist()
+        hidden = []
+        for name, robot in zip(members, robots, strict=True):
+            entry = MENU[name]
+            size = min(times * entry.bar, entry.largest)
+            values = entry.values(size, random)
+            plain = {k: v if isinstance(v, str) else float(v) for k, v in values.items()}
+            who = (robot,) if catalogue()[name].per_robot else ()
+            hidden.append(Hidden(name, plain, who, size, times if entry.bar else 1.0))
+        controller, case = NAMING[index % len(NAMING)]
+        naming = RunConfig(
+            case=case,
+            controller=controller,
+            minutes=MINUTES,
+            robots=ROBOTS,
+            seed=int(random.integers(2**31)),
+        )
+        planned.append(Group(index, tuple(hidden), naming, runs, seed))
+    return tuple(planned)
+
+
+def measure_group(group: Group) -> tuple[dict[str, Any], pd.DataFrame]:
+    """Hide, name from one log, extend, measure. Executed by a worker.
+
+    Returns:
+        The diagnosis, and errors before, extended and with the true parameters.
+    """
+    with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
+        run, given = Path(scratch) / "run", Path(scratch) / "given"
+        run.mkdir()
+        given.mkdir()
+        simulate(group.naming, group.specs, run)
+        shutil.move(run / SAMPLES, given / SAMPLES)
+        shutil.rmtree(run)
+        answer, error = diagnose(given, COMMAND)
+        if answer is None:
+            raise RuntimeError(f"no diagnosis: {error}")
+        file = read_model_file(given / "diagnosis" / "extended.toml")
+        assert file.sensors is not None
+        tables = load_tables(given / "diagnosis" / file.sensors.tables)
+    minimal = file.model_copy(update={"extension": None})
+    models = {BEFORE: minimal, EXTENDED: file}
+    true = oracle(minimal, hidden_by(group.specs, ROBOTS))
+    if true is not None:
+        models[ORACLE] = true
+    held = plan(group.specs, runs=group.runs, minutes=MINUTES, robots=ROBOTS, seed=group.seed)
+    drive = file.nominal_drive
+    parts = [measure_recorded(Recorded(one, models, tables, drive)) for one in held]
+    return answer, pd.concat(parts, ignore_index=True)
+
+
+def measure_health(group: Group) -> tuple[dict[str, Any], pd.DataFrame]:
+    """The healthy twins of the held-out runs, the same for every group."""
+    path = find_model_file()
+    file = read_model_file(path)
+    assert file.sensors is not None
+    tables = load_tables(path.parent / file.sensors.tables)
+    held = plan((), runs=group.runs, minutes=MINUTES, robots=ROBOTS, seed=group.seed)
+    models, drive = {HEALTHY: file}, file.nominal_drive
+    parts = [measure_recorded(Recorded(one, models, tables, drive)) for one in held]
+    return {}, pd.concat(parts, ignore_index=True)
+
+
+def _work(task: tuple[Group, bool]) -> tuple[dict[str, Any], pd.DataFrame]:
+    group, healthy = task
+    return measure_health(group) if healthy else measure_group(group)
+
+
+def run_catalogue(
+    planned: Sequence[Group],
+    out: Path,
+    workers: Workers,
+    say: Callable[[str], None] = lambda text: None,
+) -> pd.DataFrame:
+    """Measure what is missing in `out` and return a row per effect."""
+    out.mkdir(parents=True, exist_ok=True)
+    tasks = [
+        (group, healthy)
+        for group, healthy in [(planned[0], True), *((one, False) for one in planned)]
+        if not (out / f"{_name(group, healthy)}.parquet").exists()
+    ]
+    with closing(completed(_work, tasks, workers, note=say)) as finished:
+        for one in finished:
+            name = _name(*one.task)
+            if one.value is None:
+                say(f"{name}: {one.error}")
+                continue
+            answer, table = one.value
+            (out / f"{name}.json").write_text(json.dumps(answer, indent=1), encoding="utf-8")
+            table.to_parquet(out / f"{name}.parquet")
+            say(f"{name}: done")
+    healthy = pd.read_parquet(out / "healthy.parquet")
+    rows = []
+    for group in planned:
+        path = out / f"{_name(group, False)}.parquet"
+        if path.exists():
+            answer = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+            rows += _rows(group, answer, pd.read_parquet(path), healthy)
+    return pd.DataFrame(rows)
+
+
+def _name(group: Group, healthy: bool) -> str:
+    return "healthy" if healthy else f"group-{group.index:02d}"
+
+
+def _rows(
+    group: Group, answer: dict[str, Any], table: pd.DataFrame, healthy: pd.DataFrame
+) -> list[dict[str, Any]]:
+    """One row per effect of a group."""
+    rows = []
+    for one in group.hidden:
+        mine = table[table["robot"].isin(one.robots)] if one.robots else table
+        errors = {
+            (e["channel"], e["horizon"]): e
+            for e in weigh(pd.concat([mine, healthy], ignore_index=True), seed=group.seed)
+        }
+        kind = catalogue()[one.name].kind
+        candidates = [c for c in ELSEWHERE.get(one.name, CHANNELS[kind]) if c in errors]
+        sensor = str(one.values.get("sensor", "all"))
+        if sensor != "all":
+            candidates.append((f"{'ps' if kind == 'infrared' else 'ls'}{sensor}", None))
+        shows = max(candidates, key=lambda c: _excess(errors[c]))
+        found = errors[shows]
+        rows.append(
+            {
+                "effect": one.name,
+                "hidden": one.spec.partition(":")[2],
+                "answer": _answer(one, answer),
+                "channel": " ".join(filter(None, shows)),
+                "unit": found["unit"],
+                **{m: _value(found[m]) for m in (BEFORE, HEALTHY, EXTENDED, ORACLE)},
+                **_interval("over_healthy", found["over_healthy"]),
+                **_interval("closed", found["closed"]),
+                **{
+                    f"{channel}_1s": _value(errors[channel, horizon]["over_healthy"])
+                    for channel, horizon in MOTION
+                },
+                "naming": f"{group.naming.controller} {group.naming.case} {group.naming.seed}",
+                "truth": json.dumps(asdict(one)["values"]),
+            }
+        )
+    return rows
+
+
+def _excess(entry: dict[str, Any]) -> float:
+    """How many times the healthy error the minimal model makes."""
+    if entry[HEALTHY] is None or not entry[HEALTHY]["value"]:
+        return float(entry[BEFORE]["value"] > 0)
+    return float(entry[BEFORE]["value"] / entry[HEALTHY]["value"])
+
+
+def _value(estimate: dict[str, float] | None) -> float:
+    return np.nan if estimate is None else estimate["value"]
+
+
+def _interval(name: str, estimate: dict[str, float] | None) -> dict[str, float]:
+    keys = {"value": name, "low": f"{name}_low", "high": f"{name}_high"}
+    return {to: np.nan if estimate is None else estimate[at] for at, to in keys.items()}
+
+
+def _answer(one: Hidden, answer: dict[str, Any]) -> str:
+    """What the diagnosis said of the robots that an effect was hidden in."""
+    said = [
+        cause
+        for cause in answer["causes"]
+        if cause["robots"] == "all" or not one.robots or set(one.robots) & set(cause["robots"])
+    ]
+    names = [cause["name"] for cause in said]
+    if one.name not in names:
+        rivals = [c["name"] for c in said if one.name in c["alternatives"]]
+        return f"{rivals[0]} or it" if rivals else "as " + " + ".join(names) if names else "nothing"
+    own = next(cause for cause in said if cause["name"] == one.name)
+    with_rivals = f", or {' or '.join(own['alternatives'])}" if own["alternatives"] else ""
+    beside = [name for name in names if name != one.name]
+    return "named" + with_rivals + (f" + {' + '.join(beside)}" if beside else "")
