@@ -11,6 +11,9 @@ from typing import Any
 
 import pandas as pd
 
+from embedded_sim.errors import InputError, nearest
+from models.catalogue import every_cause
+from models.causes.withheld import without
 from models.diagnosis import Diagnosis, as_json, extension, file_hash
 from models.extension import Extension
 from models.identify.diagnose import diagnose
@@ -38,6 +41,8 @@ class Request:
     model: str | None = None
     reference: str | None = None
     seed: int = 0
+    without: tuple[str, ...] = ()
+    """Causes of the catalogue that are not to be tried."""
 
     @property
     def command(self) -> str:
@@ -46,6 +51,7 @@ class Request:
         words += [f"--model {self.model}"] if self.model else []
         words += [f"--reference {self.reference}"] if self.reference else []
         words += [f"--seed {self.seed}"] if self.seed else []
+        words += [f"--without {name}" for name in self.without]
         return " ".join(words)
 
 
@@ -53,16 +59,20 @@ def diagnose_files(request: Request, out: Path, *, force: bool = False) -> Diagn
     """Diagnose and write everything into a new directory.
 
     Raises:
-        InputError: a log, model or reference cannot be used.
+        InputError: a log, model, reference or name of a cause cannot be used.
     """
+    for name in request.without:
+        if name not in every_cause():
+            raise InputError("--without", repr(name), nearest(name, every_cause()))
     path = find_model_file(request.model)
     model = read_model_file(path)
     log = read_logs(request.logs, model)
     healthy = _reference(request.reference, model)
-    examined = diagnose(log, model, healthy, seed=request.seed, name=path.name)
     tables = None if model.sensors is None else load_tables(path.parent / model.sensors.tables)
     senses = _sense_reference(request.reference, model)
-    examined = with_senses(examined, log, tables, senses, seed=request.seed)
+    with without(request.without):
+        examined = diagnose(log, model, healthy, seed=request.seed, name=path.name)
+        examined = with_senses(examined, log, tables, senses, seed=request.seed)
     found = examined.diagnosis
     named = extension(found, log_hash=_hash(request.logs), command=request.command)
     from studies.diagnosis_report import write_report

@@ -11,7 +11,9 @@ import pandas as pd
 from models.causes import causes
 from models.diagnosis import alternatives, next_experiment
 from models.identify.diagnose import Examination
+from models.senses.joined import WholeExamination
 from studies import diagnosis_figures as figures
+from studies import sense_figures
 from studies.diagnosis_words import leftover_sentence, value_text, verdict_sentence, who
 from studies.paper.page import Picture, Section, Table, write_page
 
@@ -38,6 +40,11 @@ LEFT = (
     "What is left after everything found: for each measured quantity, how far from health the "
     "part of speed, bend or turning is that follows it. Above about six it is reported as "
     "unexplained."
+)
+
+LEFT_IN_SENSES = (
+    "The same for the readings of infrared and light: how far from health the part of them is that "
+    "follows each quantity, beside everything named."
 )
 
 
@@ -94,6 +101,11 @@ def _pictures(examined: Examination, room: Path) -> Section:
         drawn.append(Picture(room / "profiles.png", PROFILES))
     figures.draw_left(examined, room / "left.png")
     drawn.append(Picture(room / "left.png", LEFT))
+    if isinstance(examined, WholeExamination):
+        table = sense_figures.far_from_health(examined.senses)
+        if len(table):
+            sense_figures.draw_left(table, room / "left_senses.png")
+            drawn.append(Picture(room / "left_senses.png", LEFT_IN_SENSES))
     # the page reads the pictures when it is written, within the room's life
     return Section("The evidence", figures=drawn)
 

@@ -15,7 +15,7 @@ from models.causes.motion import Motion
 
 __all__ = ["ALL", "Cause", "Motion", "Parameter", "causes"]
 
-_MACHINERY = ("cause", "motion")
+_MACHINERY = ("cause", "motion", "withheld")
 
 
 @cache

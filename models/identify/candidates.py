@@ -6,6 +6,7 @@ import numpy as np
 
 from embedded_sim.model import FloatArray
 from models.causes import Cause, causes
+from models.causes.withheld import withheld
 from models.identify.fit import Problem, Term, Terms
 
 REPRESENTATIVES = ("clock_offset", "weak_motor")
@@ -17,14 +18,16 @@ def candidates() -> tuple[Term, ...]:
     return tuple(
         Term(cause, variant)
         for cause in causes().values()
-        if cause.identifiable and not _represented(cause)
+        if cause.identifiable and not withheld(cause.name) and not _represented(cause)
         for variant in cause.variants
     )
 
 
 def _represented(cause: Cause) -> bool:
     """Whether another cause stands for this one in the search."""
-    return cause.name not in REPRESENTATIVES and any(t in REPRESENTATIVES for t in cause.twins)
+    if cause.name in REPRESENTATIVES:
+        return False
+    return any(t in REPRESENTATIVES and not withheld(t) for t in cause.twins)
 
 
 def size(terms: Terms) -> int:

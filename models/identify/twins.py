@@ -13,6 +13,7 @@ import numpy as np
 
 from embedded_sim.model import FloatArray
 from models.causes import ALL, Motion, causes
+from models.causes.withheld import withheld
 from models.identify.fit import Fit, Problem, Term
 from models.identify.predict import wheel_angles
 from models.identify.residual import DEGREES
@@ -46,6 +47,8 @@ def tell_apart(problem: Problem, kept: Fit, term: Term) -> Twins:
     """
     options = {term: kept}
     for name in term.cause.twins:
+        if withheld(name):
+            continue
         twin = Term(causes()[name], ALL)
         fit = _instead(problem, kept, term, twin)
         if fit is not None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from embedded_sim import SENSORS, PointModel
 from models.causes import Motion
+from models.diagnosis import Unexplained
 from models.identify.swarm import Named
 from models.log import MeasuredLog
 from models.schema import LS, PS
@@ -16,12 +17,15 @@ from models.senses import nest
 from models.senses.cause import Belief
 from models.senses.causes import sense_causes
 from models.senses.direct import Scale, dead_infrared, dead_light, noise_scale, of_robots
+from models.senses.lack_of_fit import judge
 from models.senses.naming import dead_named, fitted_named, nest_named, noise_named
 from models.senses.predicted import predict
 from models.senses.problem import SWARM, Fit, Problem, Term
 from models.senses.reference import SenseReference, no_sense_reference
 from models.senses.select import Found, choose
 from models.senses.sight import Bools, Sight, look
+from models.senses.structure import Follow
+from models.senses.unnamed import named_or_not
 from models.sensing import scenarios
 
 LEAST_SWARM = 3
@@ -45,7 +49,12 @@ class SenseExamination:
     sight: Sight | None = None
     problem: Problem | None = None
     fit: Fit | None = None
-    """With every fitted term; None where no sensor could be judged."""
+    """With every named term; None where no sensor could be judged."""
+    unexplained: tuple[Unexplained, ...] = ()
+    structure: tuple[Follow, ...] = ()
+    """Every flexible term beside those."""
+    reference: SenseReference | None = None
+    """What health was taken from."""
 
 
 def diagnose_senses(
@@ -68,7 +77,8 @@ def diagnose_senses(
     missing = list(_missing(log, model, reference))
     named = _nest(log, model, missing)
     if model.tables is None or not any(name in log.frame for name in (*PS, *LS)):
-        return SenseExamination(named=named, not_checked=tuple(missing))
+        named, unnamed = named_or_not(named)
+        return SenseExamination(named=named, unexplained=unnamed, not_checked=tuple(missing))
     healthy = no_sense_reference("") if reference is None else reference
     sight = look(log, model, seen)
     common = Belief(senses=model.senses)
@@ -88,7 +98,8 @@ def diagnose_senses(
     ]
     problem = Problem(sight, model, base, use)
     found, fit = choose(problem, healthy)
-    found = [_wall_or_sensors(one, problem, fit, healthy) for one in found]
+    judged = judge(problem, fit, found, healthy)
+    found = [_wall_or_sensors(one, problem, judged.fit, healthy) for one in judged.found]
     after = [
         replace(b, senses=replace(b.senses, ps_noise=b.senses.ps_noise / float(np.exp(u))))
         for b, (u, _, _) in zip(problem.beliefs(fit.terms, fit.coordinates), noisy, strict=True)
@@ -96,9 +107,17 @@ def diagnose_senses(
     noisy = _noise(sight, model, after, use, healthy)  # what a fault explains is no noise
     named += fitted_named(found, sight.robots, healthy)
     named += dead_named(blind, sight.robots)
-    named += noise_named(noisy, sight.robots)
+    named += noise_named(judged.believable(noisy), sight.robots)
+    named, unnamed = named_or_not(named)
     return SenseExamination(
-        named=named, not_checked=tuple(missing), sight=sight, problem=problem, fit=fit
+        named=named,
+        unexplained=(*judged.unexplained, *unnamed),
+        not_checked=tuple(missing),
+        sight=sight,
+        problem=problem,
+        fit=judged.fit,
+        structure=judged.structure,
+        reference=healthy,
     )
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from embedded_sim.model import FloatArray
+from models.causes.withheld import withheld
 from models.senses.causes import sense_causes
 from models.senses.problem import FOLDS, STRETCH, SWARM, Column, Fit, Problem, Term, ridged
 
@@ -34,7 +35,9 @@ def promises(
     """Every term's promise for the swarm and for each robot, best first."""
     found: list[Promise] = []
     for cause in sense_causes().values():
-        if cause.kind not in FITTED or not _visible(problem, cause.kind):
+        if cause.kind not in FITTED or withheld(cause.name):
+            continue
+        if not _visible(problem, cause.kind):
             continue
         taken = {(t.cause.name, t.robot) for t in kept.terms}
         for variant in cause.variants:

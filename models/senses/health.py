@@ -15,8 +15,10 @@ from models.senses.direct import noise_scale, of_robots
 from models.senses.glance import promises
 from models.senses.predicted import predict
 from models.senses.problem import SWARM, Problem, Term
-from models.senses.reference import INHERENT, Health, Level, SenseReference
+from models.senses.reference import INHERENT, Health, Level, SenseReference, away
 from models.senses.sight import Sight
+from models.senses.structure import Structure
+from models.senses.structure_health import Sizes, of_healthy
 
 NORMAL = 1.4826
 LEAST_ERROR = 1e-9
@@ -42,6 +44,8 @@ class Healthy(NamedTuple):
     targets: float
     targets_error: float
     silent: float
+    structure: Sizes
+    """Of every flexible term."""
 
 
 def inherent_of(sight: Sight, model: PointModel) -> dict[str, float]:
@@ -77,7 +81,16 @@ def healthy_log(sight: Sight, model: PointModel, base: Belief) -> Healthy:
         if np.isfinite(sight.read[sight.rows_of(k), s]).any()
     ]
     return Healthy(
-        len(sight.robots), seen, scale.value, scale.error, targets, error, max(zeros, default=1.0)
+        robots=len(sight.robots),
+        seen=seen,
+        noise=scale.value,
+        noise_error=scale.error,
+        targets=targets,
+        targets_error=error,
+        silent=max(zeros, default=1.0),
+        structure={
+            f.key: np.stack([f.size, f.error], axis=1) for f in Structure(problem, kept).follows
+        },
     )
 
 
@@ -107,6 +120,7 @@ def make_sense_reference(
     noise_error = np.concatenate([log.noise_error for log in logs])
     swarm = np.array([np.nanmedian(log.noise) if len(log.noise) else np.nan for log in logs])
     targets = np.array([log.targets for log in logs])
+    structure, joint = of_healthy([log.structure for log in logs])
     return SenseReference(
         model=model,
         robots=sum(log.robots for log in logs),
@@ -115,18 +129,11 @@ def make_sense_reference(
         terms=terms,
         noise=_level(noise, noise_error, swarm),
         targets=_level(targets, np.array([log.targets_error for log in logs]), targets),
+        structure=structure,
+        joint=joint,
         silent=max((log.silent for log in logs), default=1.0),
         command=command,
     )
-
-
-def away(value: FloatArray, error: FloatArray, mean: FloatArray, sd: FloatArray) -> float:
-    """Standard deviations from health, over the coordinates that a healthy spread is known of."""
-    wide = np.sqrt(error**2 + sd**2)
-    known = error > 0.0
-    if not known.any():
-        return 0.0
-    return float(np.sqrt((((value - mean)[known] / wide[known]) ** 2).sum()))
 
 
 def _spread(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -25,6 +25,13 @@ RESAMPLED = 400
 KINDS = {"infrared": slice(0, SENSORS), "light": slice(SENSORS, 2 * SENSORS)}
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WholeExamination(Examination):
+    """A diagnosis of motion and senses, and what it was drawn from."""
+
+    senses: SenseExamination
+
+
 def with_senses(
     examined: Examination,
     log: MeasuredLog,
@@ -32,7 +39,7 @@ def with_senses(
     reference: SenseReference | None,
     *,
     seed: int = 0,
-) -> Examination:
+) -> WholeExamination:
     """An examination of motion with everything the senses show added to its diagnosis.
 
     Args:
@@ -53,10 +60,12 @@ def with_senses(
     joined = replace(
         found,
         named=(*found.named, *senses.named),
+        unexplained=(*found.unexplained, *senses.unexplained),
         not_checked=(*found.not_checked, *senses.not_checked),
         gain={**found.gain, **_gains(senses, np.random.default_rng(seed))},
     )
-    return replace(examined, diagnosis=joined)
+    kept = {one.name: getattr(examined, one.name) for one in fields(examined)}
+    return WholeExamination(**{**kept, "diagnosis": joined}, senses=senses)
 
 
 def _askew(examined: Examination) -> dict[int, tuple[Motion, Motion]]:

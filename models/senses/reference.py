@@ -16,6 +16,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from embedded_sim import InputError
 from embedded_sim.model import FloatArray
+from models.reference import UNKNOWN, Structure
 from models.senses.cause import Belief
 from models.senses.causes import sense_causes
 
@@ -27,6 +28,12 @@ than robots were seen."""
 INHERENT = ("ir_offset", "lamp_intensity")
 """Terms that stand for what the captured tables leave out in every healthy robot: rounding at zero,
 and interpolation between the nodes."""
+
+
+STRUCTURE = 6.0
+"""Standard deviations from health that a flexible term needs at least, as in motion."""
+JOINT_MARGIN = 1.1
+"""Times what the most conspicuous healthy log reached. Our choice: there are few healthy logs."""
 
 
 class _Strict(BaseModel):
@@ -74,6 +81,11 @@ class SenseReference(_Strict):
     """Logarithm of the infrared errors' scale over the tables' noise."""
     targets: Level = Level()
     """Logarithm of what infrared reads of other robots over what it would of a wall there."""
+    structure: dict[str, Structure] = {}
+    """What healthy robots get for every flexible term (`models.senses.structure`)."""
+    joint: float = 1.0
+    """Times its own gate that the most conspicuous of all flexible terms of a healthy log reached,
+    each log judged by the others: what the size of the family costs."""
     silent: float = 1.0
     """Largest share of zeros among all readings of a healthy infrared sensor."""
     gain: float = 12.0
@@ -109,6 +121,29 @@ class SenseReference(_Strict):
         found = self.terms[key]
         far = found.swarm_farthest if swarm else found.farthest
         return self.gain, max(least, self.margin * far)
+
+    def health(self, key: str) -> Structure | None:
+        """What healthy robots get for a flexible term; None: it was not measured."""
+        return self.structure.get(key) if self.robots else UNKNOWN
+
+    def structure_gate(self, key: str, *, swarm: bool) -> float:
+        """Standard deviations from health at which a flexible term counts."""
+        health = self.structure.get(key, UNKNOWN)
+        return gate_of(health, swarm=swarm) * max(1.0, JOINT_MARGIN * self.joint)
+
+
+def gate_of(health: Structure, *, swarm: bool) -> float:
+    """Of one flexible term, before the size of the family is accounted for."""
+    return max(STRUCTURE, health.swarm_farthest if swarm else health.farthest)
+
+
+def away(value: FloatArray, error: FloatArray, mean: FloatArray, sd: FloatArray) -> float:
+    """Standard deviations from health, over the coordinates that a healthy spread is known of."""
+    wide = np.sqrt(error**2 + sd**2)
+    known = error > 0.0
+    if not known.any():
+        return 0.0
+    return float(np.sqrt((((value - mean)[known] / wide[known]) ** 2).sum()))
 
 
 def with_inherent(belief: Belief, coordinates: Mapping[str, float]) -> Belief:

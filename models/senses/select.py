@@ -7,6 +7,7 @@ other and its value lies outside what healthy robots and swarms get for that ver
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,9 +15,10 @@ from scipy import stats
 
 from embedded_sim.model import FloatArray
 from models.senses.glance import Promise, promises
-from models.senses.health import away
+from models.senses.leftover import CLEARLY_MORE, Left, leftovers
 from models.senses.problem import SWARM, Fit, Problem, Term
-from models.senses.reference import SenseReference
+from models.senses.reference import SenseReference, away
+from models.senses.structure import Structure
 
 MOST_TERMS = 8
 MOST_FITS = 4
@@ -62,13 +64,19 @@ class Found:
 def choose(problem: Problem, reference: SenseReference) -> tuple[list[Found], Fit]:
     """The terms that the readings need, and the fit with all of them."""
     kept = problem.fit((), np.zeros(0))
+    flexible = leftovers(problem, Structure(problem, kept), reference)
+    closed: list[Left] = []
     tried: dict[Term, dict[Term, float]] = {}
     while len(kept.terms) < MOST_TERMS:
-        fits = _one_more(problem, kept, reference)
+        fits = _one_more(problem, kept, reference, closed)
         if not fits:
             break
         gains = {t: float((kept.held_out - f.held_out).sum()) for t, f in fits.items()}
         best = _plainest(fits, max(gains, key=lambda t: gains[t]))
+        better = _better(problem, flexible, closed, kept, best, gains[best])
+        if better is not None:
+            closed.append(better)
+            continue
         kept = fits[best]
         tried[best] = gains
         kept = _needed(problem, kept, reference, best)
@@ -78,6 +86,25 @@ def choose(problem: Problem, reference: SenseReference) -> tuple[list[Found], Fi
     found = [_evidence(problem, kept, t, reference, tried.get(t, {})) for t in kept.terms]
     passed = [one for one in found if one is not None]
     return [one for one in passed if not _mends(one, passed)], kept
+
+
+def _better(
+    problem: Problem,
+    flexible: Sequence[Left],
+    closed: Sequence[Left],
+    kept: Fit,
+    best: Term,
+    gain: float,
+) -> Left | None:
+    """What follows a quantity clearly better than the first cause tried there explains it."""
+    for left in flexible:
+        first = not any(left.concerns(problem, term) for term in kept.terms)
+        if left in closed or not first or not left.concerns(problem, best):
+            continue
+        # an exact cause does at least as well as anything of a parameter or two
+        if left.gain > CLEARLY_MORE * gain:
+            return left
+    return None
 
 
 def _plainest(fits: dict[Term, Fit], best: Term) -> Term:
@@ -93,10 +120,16 @@ def _worse(rival: Fit, kept: Fit) -> bool:
     return float(lost.sum()) >= max(MARGIN, MARGIN_ERRORS * error)
 
 
-def _one_more(problem: Problem, kept: Fit, reference: SenseReference) -> dict[Term, Fit]:
+def _one_more(
+    problem: Problem, kept: Fit, reference: SenseReference, closed: Sequence[Left]
+) -> dict[Term, Fit]:
     """The terms that would be named beside the kept ones, fitted."""
     several = len(problem.sight.robots) > 1
-    hopeful = [p for p in promises(problem, kept, private=several) if _hopeful(p, reference)]
+    hopeful = [
+        p
+        for p in promises(problem, kept, private=several)
+        if _hopeful(p, reference) and not any(left.concerns(problem, p.term) for left in closed)
+    ]
     if not hopeful:
         return {}
     least = SERIOUS * hopeful[0].gain

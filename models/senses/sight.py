@@ -8,7 +8,7 @@ the line of sight to the lamp below the height of a robot.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +28,8 @@ Rows = npt.NDArray[np.int64]
 MOST_ROWS = 32_000
 """Rows used of a log, evenly in time: more sharpen nothing that differences between healthy robots
 and errors of the captured tables leave visible."""
+STATES = ("food", "nest")
+"""Columns of the virtual sensor."""
 BLOCK_SECONDS = 5.0
 """s held out or resampled together."""
 NEAREST_LAMP = 0.12
@@ -56,6 +58,10 @@ class Sight:
     block: Rows
     """(rows,) counted through; a block is of one robot and run."""
     neighbours: Neighbours
+    commanded: FloatArray
+    """(rows, 2) m/s and rad/s of the wheels as commanded."""
+    states: Mapping[str, FloatArray] = field(default_factory=dict)
+    """(rows,) 1 where the virtual sensor says so, by column; what is not logged is absent."""
 
     @property
     def robot(self) -> Rows:
@@ -116,6 +122,8 @@ def look(
         free=free & np.isfinite(measured(log, rows)),
         block=np.unique(key, return_inverse=True)[1],
         neighbours=neighbours,
+        commanded=_commanded(log, model, rows),
+        states=_states(log, rows),
     )
 
 
@@ -134,15 +142,29 @@ def poses_as_stood(
 ) -> FloatArray:
     """(rows, 3) the robots' own poses at rows of a log, out of measured ones; `seen` as `look`."""
     robot = log.frame["robot"].to_numpy(dtype=np.int64)[rows]
-    return _as_stood(poses, _velocity(log, model, rows, poses), robot, seen)
+    return _as_stood(poses, _velocity(_commanded(log, model, rows), poses), robot, seen)
 
 
-def _velocity(log: MeasuredLog, model: PointModel, rows: Rows, poses: FloatArray) -> FloatArray:
-    """(rows, 3) m/s, m/s, rad/s of the wheels as commanded."""
+def _commanded(log: MeasuredLog, model: PointModel, rows: Rows) -> FloatArray:
+    """(rows, 2) m/s and rad/s of the wheels as commanded."""
     drive = model.drive
     rim = log.commands[rows] * np.array(drive.wheel_radius)
-    speed, turn = rim.mean(axis=1), (rim[:, 1] - rim[:, 0]) / drive.axle
-    return np.column_stack([speed * np.cos(poses[:, 2]), speed * np.sin(poses[:, 2]), turn])
+    return np.column_stack([rim.mean(axis=1), (rim[:, 1] - rim[:, 0]) / drive.axle])
+
+
+def _velocity(commanded: FloatArray, poses: FloatArray) -> FloatArray:
+    """(rows, 3) m/s, m/s, rad/s in the arena's frame."""
+    speed, yaw = commanded[:, 0], poses[:, 2]
+    return np.column_stack([speed * np.cos(yaw), speed * np.sin(yaw), commanded[:, 1]])
+
+
+def _states(log: MeasuredLog, rows: Rows) -> dict[str, FloatArray]:
+    """What the virtual sensor said; unknown answers count as no."""
+    return {
+        name: np.asarray(log.frame[name].astype("Float64").fillna(0.0), dtype=np.float64)[rows]
+        for name in STATES
+        if name in log.frame
+    }
 
 
 def _as_stood(

@@ -45,7 +45,7 @@ def run_trial(task: Task) -> dict[str, Any]:
         began = time.perf_counter()
         record(task.trial, Path(scratch) / "run", given / LOG)
         recorded = time.perf_counter()
-        diagnosis, error = diagnose(given, task.command)
+        diagnosis, error = diagnose(given, task.command, task.trial.withheld)
         return {
             "diagnosis": diagnosis,
             "error": error,
@@ -62,12 +62,21 @@ def record(trial: Trial, run: Path, log: Path) -> None:
     shutil.rmtree(run)
 
 
-def diagnose(given: Path, command: tuple[str, ...]) -> tuple[dict[str, Any] | None, str | None]:
-    """Run a diagnosis of the log in a directory where nothing else is; one thread per library."""
+def diagnose(
+    given: Path, command: tuple[str, ...], withheld: tuple[str, ...] = ()
+) -> tuple[dict[str, Any] | None, str | None]:
+    """Run a diagnosis of the log in a directory where nothing else is; one thread per library.
+
+    Args:
+        given: The directory.
+        command: What diagnoses.
+        withheld: Causes that it must do without.
+    """
+    words = [word for name in withheld for word in ("--without", name)]
     threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     try:
         done = subprocess.run(
-            [*command, LOG, "--out", "diagnosis"],
+            [*command, LOG, "--out", "diagnosis", *words],
             cwd=given,
             env={**os.environ, **threads},
             capture_output=True,

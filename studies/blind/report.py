@@ -26,8 +26,9 @@ def write_report(directory: BlindDirectory, summary: dict[str, Any]) -> None:
     figures.mkdir(exist_ok=True)
     done = results(directory)
     sns.set_theme(style="whitegrid", context="notebook", font_scale=0.85)
-    sections = [
-        Section(
+    sections = [Section("Errors", tables=[Table.of(_errors(summary))])]
+    if any(summary["confusion"].values()):
+        answered = Section(
             "What was hidden and what was answered",
             ["Single effects and healthy runs; every size counts. A row is what was hidden."],
             figures=[
@@ -36,9 +37,8 @@ def write_report(directory: BlindDirectory, summary: dict[str, Any]) -> None:
                     "Share of trials; numbers are trials.",
                 )
             ],
-        ),
-        Section("Errors", tables=[Table.of(_errors(summary))]),
-    ]
+        )
+        sections.insert(0, answered)
     if summary["effects"]:
         sections += [
             Section(
@@ -56,7 +56,8 @@ def write_report(directory: BlindDirectory, summary: dict[str, Any]) -> None:
                 ],
                 tables=[Table.of(_effects(summary["effects"]))],
             ),
-            _strange(summary["unlisted"]),
+            _unknown("What no catalogue lists", summary["unlisted"]),
+            _unknown("Effects taken out of the catalogue", summary["leave_one_out"]),
             Section("Two effects at once", tables=[Table.of(_pairs(summary["pairs"]))]),
         ]
     if summary["wrong_names"]["which"]:
@@ -135,13 +136,13 @@ def _ratio(found: dict[str, Any]) -> str:
     return f"{found['hits']}/{found['trials']}"
 
 
-def _strange(found: dict[str, Any]) -> Section:
+def _unknown(title: str, found: dict[str, Any]) -> Section:
     text = (
         f"Flagged as unexplained: {_percent(found['flagged_unexplained'])}. "
-        f"Only given a wrong name: {_percent(found['wrong_name_alone'])}."
+        f"Only given a wrong name: {_percent(found['wrong_name_alone'])}. "
+        f"Said to follow what it follows: {_percent(found['quantity_right'])}."
     )
-    table = Table.of(pd.DataFrame(found["answers"]))
-    return Section("What no catalogue lists", [text], tables=[table])
+    return Section(title, [text], tables=[Table.of(pd.DataFrame(found["answers"]))])
 
 
 def _pairs(pairs: dict[str, Any]) -> pd.DataFrame:

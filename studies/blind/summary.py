@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from studies.blind.directory import BlindDirectory
+from studies.blind.left_out import FOLLOWS as LEFT_OUT_FOLLOWS
+from studies.blind.left_out import quantity_right, unknowns
 from studies.blind.limits import LENGTH, detection_limit, share
 from studies.blind.menu import MENU
 from studies.blind.scoring import Score, of_robots, outcome, score
@@ -33,6 +35,8 @@ class Result:
     """Wall time of the diagnosis."""
     unexplained: tuple[str, ...]
     """What the diagnosis says of what it cannot name."""
+    quantity_right: bool
+    """Of an effect without a name: it is said to follow what it follows."""
 
 
 def results(directory: BlindDirectory) -> list[Result]:
@@ -54,7 +58,14 @@ def _result(trial: Trial, answer: dict[str, Any], said: dict[str, Any] | None) -
         answer["error"],
         float(answer["diagnose_seconds"]),
         tuple(f"{one['channel']} {one['where']}" for one in unexplained),
+        bool(trial.hidden) and quantity_right(_follows(trial), trial, said),
     )
+
+
+def _follows(trial: Trial) -> frozenset[str]:
+    """Measured quantities that tell a trial's effect."""
+    name = trial.hidden[0].name
+    return frozenset(FOLLOWS[name].split()) if name in FOLLOWS else LEFT_OUT_FOLLOWS[name]
 
 
 def _parts(trial: Trial, answer: dict[str, Any]) -> list[tuple[Trial, dict[str, Any] | None]]:
@@ -82,7 +93,8 @@ def summarise(directory: BlindDirectory) -> dict[str, Any]:
     pairs = [r for r in done if r.trial.kind == "pair"]
     healthy = [r for r in done if r.trial.kind == "healthy"]
     strange = [r for r in done if r.trial.kind == "unlisted"]
-    listed = [r for r in done if r.trial.kind != "unlisted"]
+    left_out = [r for r in done if r.trial.kind == "left_out"]
+    listed = [r for r in done if r.trial.kind not in ("unlisted", "left_out")]
     names = [name for name in MENU if name in directory.config.effects]
     return {
         "schema": SCHEMA,
@@ -106,14 +118,19 @@ def summarise(directory: BlindDirectory) -> dict[str, Any]:
         "confusion": _confusion(names, singles, healthy),
         "effects": {name: _effect(name, singles, directory.config.seed) for name in names},
         "unlisted": {
-            "flagged_unexplained": _share(r.score.verdict == "unexplained" for r in strange),
-            "wrong_name_alone": _share(
-                bool(r.score.wrong) and r.score.verdict != "unexplained" for r in strange
-            ),
+            **unknowns([(r.score, r.quantity_right) for r in strange]),
             "answers": [
                 {"hidden": _told(r), "follows": FOLLOWS[_names(r)[0]], "answer": _said(r)}
                 for r in strange
             ],
+        },
+        "leave_one_out": {
+            **unknowns([(r.score, r.quantity_right) for r in left_out]),
+            "by_effect": {
+                name: unknowns([(r.score, r.quantity_right) for r in left_out if name in _names(r)])
+                for name in names
+            },
+            "answers": [{"hidden": _told(r), "answer": _said(r)} for r in left_out],
         },
         "pairs": {
             "exact": _share(r.score.exact for r in pairs),

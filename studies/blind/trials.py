@@ -19,8 +19,9 @@ from studies.blind.menu import MENU, STRANGE, Value
 from studies.blind.unlisted import UNLISTED
 from studies.experiment import Case, Controller, RunConfig
 
-Kind = Literal["healthy", "single", "pair", "unlisted", "rest"]
-"""`rest`: the robots of a crowd that have nothing."""
+Kind = Literal["healthy", "single", "pair", "unlisted", "left_out", "rest"]
+"""`left_out`: an effect whose cause the diagnosis must do without; `rest`: the robots of a crowd
+that have nothing."""
 ROUND: tuple[Kind, ...] = (
     "single", "healthy", "single", "single", "pair", "single", "unlisted", "single",
 )  # fmt: skip
@@ -60,6 +61,8 @@ class BlindConfig(BaseModel):
     """Hide two effects at once in some trials."""
     unlisted: bool = True
     """Hide what no catalogue lists in some trials."""
+    leave_one_out: bool = False
+    """Take the cause of each hidden effect out of the catalogue; every trial is one such."""
     crowd: Annotated[int, Field(ge=1)] = 1
     """Robots of a run that each have one effect; more give more trials from one diagnosis."""
     seconds: Annotated[tuple[float, ...], Field(min_length=1)] = SECONDS
@@ -118,6 +121,11 @@ class Trial:
     """Robots that a score is about; None: all."""
 
     @property
+    def withheld(self) -> tuple[str, ...]:
+        """Causes that the diagnosis must do without."""
+        return tuple(one.name for one in self.hidden) if self.kind == "left_out" else ()
+
+    @property
     def name(self) -> str:
         """Of its file."""
         return f"{self.index:05d}"
@@ -146,6 +154,8 @@ def plan(config: BlindConfig) -> tuple[Trial, ...]:
         if kind == "single":
             names = _singles(config, singles)
             singles += len(names)
+        elif kind == "left_out":
+            names = [config.effects[index % len(config.effects)]]
         elif kind == "unlisted":
             names = [list(STRANGE)[strange % len(STRANGE)]]
             strange += 1
@@ -160,6 +170,8 @@ def plan(config: BlindConfig) -> tuple[Trial, ...]:
 def _kind(config: BlindConfig, index: int) -> Kind:
     if not config.effects:
         return "healthy"
+    if config.leave_one_out:
+        return "left_out"
     if config.at_bars:
         return "single"
     kind = ROUND[index % len(ROUND)]
@@ -191,14 +203,14 @@ def _hide(
     robots = random.choice(config.robots, config.robots, replace=False).tolist()
     if kind == "pair" and random.random() < SAME_ROBOT:
         robots[1] = robots[0]
-    may_swarm = not config.at_bars and config.crowd == 1
+    may_swarm = not config.at_bars and config.crowd == 1 and kind != "left_out"
     seen: Counter[str] = Counter()
     hidden = []
     for name, robot in zip(names, robots, strict=False):
         entry = ENTRIES[name]
         swarm = bool(entry.swarm_bar) and may_swarm and random.random() < SWARM_SHARE
         bar = entry.swarm_bar if swarm else entry.bar
-        strong = kind in ("pair", "unlisted")
+        strong = kind in ("pair", "unlisted", "left_out")
         size = _size(config, name, bar, drawn[name] + seen[name], strong)
         seen[name] += 1
         values = {

@@ -154,12 +154,12 @@ UNLISTED: Mapping[str, Effect] = {
 """By name."""
 
 FOLLOWS: Mapping[str, str] = {
-    "eccentric_wheel": "wheel angle",
+    "eccentric_wheel": "left_wheel_angle right_wheel_angle",
     "carpet": "place",
-    "shy_robots": "neighbours",
-    "speed_loss": "speed squared",
-    "lens": "place",
+    "shy_robots": "neighbour",
+    "speed_loss": "speed speed_squared",
+    "lens": "place radius radial",
     "low_sun": "heading",
     "flicker": "time",
 }
-"""The measured quantity that tells it."""
+"""The measured quantities that tell it, any of them, as `quantity` in `diagnosis.json`."""

@@ -30,6 +30,12 @@ def blind(
     crowd: Annotated[
         int, typer.Option(help="Robots of a run that each have an effect of their own.")
     ] = 1,
+    leave_one_out: Annotated[
+        bool,
+        typer.Option(
+            "--leave-one-out", help="Hide effects whose cause the diagnosis must do without."
+        ),
+    ] = False,
     seconds: Annotated[
         Optional[list[float]],  # noqa: UP045
         typer.Option(help="Length of the logs, repeatable; 120 most often, 60 or 240 if absent."),
@@ -49,7 +55,13 @@ def blind(
     effects = tuple(only) if only else known_effects()
     lengths = {"seconds": tuple(seconds)} if seconds else {}
     config = blind_config(
-        trials=trials, seed=seed, effects=effects, at_bars=at_bars, crowd=crowd, **lengths
+        trials=trials,
+        seed=seed,
+        effects=effects,
+        at_bars=at_bars,
+        leave_one_out=leave_one_out,
+        crowd=crowd,
+        **lengths,
     )
     try:
         summary = run_battery(config, out, Workers.chosen(jobs, None), quiet=quiet)

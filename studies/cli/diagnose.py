@@ -26,6 +26,10 @@ def diagnose(
         typer.Option(help="Healthy reference, or none; the shipped one of the model if absent."),
     ] = None,
     seed: Annotated[int, typer.Option(help="Of the intervals' resampling.")] = 0,
+    without: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(help="Cause to do without, as if unknown; repeatable."),
+    ] = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
@@ -38,7 +42,13 @@ def diagnose(
     from studies.output import check_free
 
     check_free(out, force=force, holds=("diagnosis.json",))
-    request = Request(logs=tuple(log), model=model, reference=reference, seed=seed)
+    request = Request(
+        logs=tuple(log),
+        model=model,
+        reference=reference,
+        seed=seed,
+        without=tuple(without or ()),
+    )
     found = diagnose_files(request, out, force=force)
     if not quiet:
         typer.echo(verdict_sentence(found))

@@ -211,7 +211,9 @@ def test_a_battery_scores_what_a_process_with_the_log_alone_answered(
     assert summary["confusion"]["command_latency"] == {"nothing_wrong": 2}
     assert summary["wrong_names"]["hits"] == 0
     assert summary["unlisted"]["flagged_unexplained"]["hits"] == 0
-    assert [one["follows"] for one in summary["unlisted"]["answers"]] == ["wheel angle"]
+    assert [one["follows"] for one in summary["unlisted"]["answers"]] == [
+        "left_wheel_angle right_wheel_angle"
+    ]
     assert json.loads((out / "blind.json").read_text()) == summary
     page = (out / "report.html").read_text()
     assert "data:image/png;base64" in page

@@ -22,7 +22,9 @@ from studies.experiment import RunConfig
 ROBOTS = 10
 
 
-def told(*hidden: Hidden, seed: int, seconds: float = 120.0) -> tuple[Trial, dict[str, Any]]:
+def told(
+    *hidden: Hidden, seed: int, seconds: float = 120.0, withheld: tuple[str, ...] = ()
+) -> tuple[Trial, dict[str, Any]]:
     """A run with this hidden in it, and what a process given its log alone answers."""
     config = RunConfig(
         case="light-at-nest",
@@ -36,7 +38,7 @@ def told(*hidden: Hidden, seed: int, seconds: float = 120.0) -> tuple[Trial, dic
         given = Path(scratch) / "given"
         given.mkdir()
         record(trial, Path(scratch) / "run", given / LOG)
-        answer, error = diagnose(given, COMMAND)
+        answer, error = diagnose(given, COMMAND, withheld)
     assert answer is not None, error
     return trial, answer
 

@@ -1,0 +1,104 @@
+"""Whether what was named fits: what it leaves, and whether what it leaves is larger than itself.
+
+A fault that is not in the catalogue is often mimicked by one that is. The mimic takes off a part of
+the error; the rest follows some measured quantity. Where the rest is small beside what the name
+takes off, it is the coarseness of a model; where it is not, it is reported beside the name; where
+it is as large as what the name takes off, the name is not believed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.diagnosis import Unexplained
+from models.senses.leftover import Left, leftovers
+from models.senses.problem import SWARM, Fit, Problem, Term
+from models.senses.reference import SenseReference
+from models.senses.select import Found
+from models.senses.structure import Follow, Structure
+
+MENDED = 0.04
+"""Of the named causes' gain that a leftover must exceed: no model of a cause is exact."""
+DOUBTFUL = 0.5
+"""Of the same, beyond which the names are not believed."""
+
+Noisy = list[tuple[float, float, bool]]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Judged:
+    """What is left of the names, and what they leave."""
+
+    found: tuple[Found, ...]
+    fit: Fit
+    """With the terms of these alone."""
+    structure: tuple[Follow, ...]
+    lefts: tuple[Left, ...]
+    robots: tuple[int, ...]
+
+    @property
+    def unexplained(self) -> tuple[Unexplained, ...]:
+        """As the diagnosis has it."""
+        return tuple(one.said for one in self.lefts)
+
+    def believable(self, noisy: Noisy) -> Noisy:
+        """Noise of the infrared where no structure is left that would look like it."""
+        doubted = [one.said.robots for one in self.lefts if one.follow.channel == "infrared"]
+        return [
+            (0.0, error, False)
+            if any(robots == "all" or robot in robots for robots in doubted)
+            else (scale, error, swarm)
+            for robot, (scale, error, swarm) in zip(self.robots, noisy, strict=True)
+        ]
+
+
+def judge(problem: Problem, fit: Fit, found: Sequence[Found], healthy: SenseReference) -> Judged:
+    """Look at what the named terms leave, and take back the names that do not fit."""
+    believed = tuple(found)
+    while True:
+        fit = _with_only(problem, fit, tuple(one.term for one in believed))
+        structure = Structure(problem, fit)
+        lefts = tuple(
+            left
+            for left in leftovers(problem, structure, healthy)
+            if left.gain > MENDED * _explained(problem, left, believed)
+        )
+        doubted = [
+            one
+            for one in believed
+            for left in lefts
+            if left.concerns(problem, one.term)
+            and left.gain > DOUBTFUL * _explained(problem, left, believed)
+        ]
+        if not doubted:
+            return Judged(
+                found=believed,
+                fit=fit,
+                structure=tuple(structure.follows),
+                lefts=lefts,
+                robots=problem.sight.robots,
+            )
+        believed = tuple(one for one in believed if one not in doubted)
+
+
+def _with_only(problem: Problem, fit: Fit, terms: tuple[Term, ...]) -> Fit:
+    """The fit without the terms that nobody names."""
+    if terms == fit.terms:
+        return fit
+    kept = [fit.coordinates[fit.part(t)] for t in fit.terms if t in terms]
+    ordered = tuple(t for t in fit.terms if t in terms)
+    start = np.concatenate(kept) if kept else np.zeros(0)
+    return problem.fit(ordered, start)
+
+
+def _explained(problem: Problem, left: Left, believed: Sequence[Found]) -> float:
+    """What the names take off in a leftover's channel and robots."""
+    total = 0.0
+    for one in believed:
+        if left.concerns(problem, one.term):
+            spread = one.term.robot == SWARM and left.said.robots != "all"
+            total += one.gain / (len(problem.sight.robots) if spread else 1)
+    return total
