@@ -17,10 +17,12 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from embedded_sim import CONTROL_STEP, Behaviour, evaluate
+from embedded_sim import CONTROL_STEP, Behaviour, PointModel, evaluate
 from embedded_sim.breeding import CoEvolution
 from embedded_sim.onboard import Swarm
-from models import load_model
+from models import load_model, read_model_file
+from models.catalogue import every_cause
+from models.extension import Extension, NamedCause, ParameterValue
 from reality.engine import Engine
 from reality.senses import Infrared, Light, Tracker
 from reality.world import World
@@ -94,7 +96,35 @@ def bare_stepping(minutes: float) -> float:
     return seconds / wall
 
 
-def embedded(repeats: int = 7) -> float:
+ACTIVE = {"motor_saturation": (5.9,), "motor_dead_zone": (0.3,), "second_lamp": (0.3, 0.4, 0.2)}
+"""Values of causes that three steps from their null would leave without effect."""
+
+
+def every_term() -> PointModel:
+    """The e-puck's point model with every cause of the catalogue at once, each mild."""
+    model = read_model_file()
+    named = []
+    for name, cause in every_cause().items():
+        values = ACTIVE.get(name, [p.value(3.0 * p.step * (p.sign or 1)) for p in cause.parameters])
+        parameters = {
+            p.name: ParameterValue(value=value)
+            for p, value in zip(cause.parameters, values, strict=True)
+        }
+        named.append(NamedCause(name=name, word=cause.variants[-1], parameters=parameters))
+    extended = model.model_copy(update={"extension": Extension(causes=tuple(named))})
+    return extended.point_model(load_model().tables)
+
+
+def extended_over_minimal(repeats: int = 15) -> float:
+    """Time of a robot-step with every term active over that of the minimal model.
+
+    Median over repeats in which both are timed one after the other.
+    """
+    extended = every_term()
+    return median(embedded(1, model=extended) / embedded(1) for _ in range(repeats))
+
+
+def embedded(repeats: int = 7, *, model: PointModel | None = None) -> float:
     """ns per robot-step of the embedded simulator: all nine controllers under all three lamps."""
     thirds = (0.1, 0.5, 0.9)
     genomes = np.tile([(g0, g1) for g0 in thirds for g1 in thirds], (45, 1))
@@ -102,7 +132,7 @@ def embedded(repeats: int = 7) -> float:
     random = np.random.default_rng(1)
     seeds = random.integers(0, 2**32, (trials, 4), dtype=np.uint32)
     scenarios = np.arange(trials) // 9 % 3
-    model, behaviour = load_model(), Behaviour()
+    model, behaviour = model or load_model(), Behaviour()
     took = []
     for _ in range(repeats):
         began = time.perf_counter()
@@ -117,13 +147,14 @@ def main(
 ) -> None:
     """Time reality, bare physics and the embedded simulator in one process."""
     with Progress("bench", 3.0, quiet=False) as shown:
-        nanoseconds = embedded()
+        nanoseconds, price = embedded(), extended_over_minimal()
         shown.reach(1)
         bare = bare_stepping(minutes)
         shown.reach(2)
         speed, shares = co_evolution(minutes)
         shown.reach(3)
     shown.say(f"embedded simulator, everything: {nanoseconds:.0f} ns per robot-step")
+    shown.say(f"the same with every term of an extension: {price:.2f} times as long")
     shown.say(f"{ROBOTS} robots co-evolving: {speed:.1f} times real time")
     shown.say(f"the same bodies, bare stepSimulation: {bare:.1f} times real time")
     shown.say(f"a whole run costs {bare / speed:.2f} times bare stepping; its time goes to")
@@ -135,6 +166,7 @@ def main(
         {
             "schema": 1,
             "embedded_ns_per_robot_step": nanoseconds,
+            "extended_over_minimal": price,
             "co_evolution_times_real_time": speed,
             "bare_stepping_times_real_time": bare,
             "run_over_bare": bare / speed,

@@ -22,14 +22,14 @@ import pandas as pd
 from models.log import SAMPLES
 from models.modelfile import find_model_file, read_model_file
 from models.tables import load_tables
-from reality.effects import catalogue
+from reality.effects import catalogue, parse_effects
 from studies.blind.menu import MENU
 from studies.blind.record import COMMAND, diagnose
 from studies.blind.trials import Hidden
 from studies.execution import Workers, completed
 from studies.experiment import Case, RunConfig, simulate
-from studies.gain.oracle import hidden_by, oracle
 from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE, Recorded, measure_recorded, plan
+from studies.gain.truth import true_model
 from studies.gain.weigh import weigh
 
 ROBOTS = 10
@@ -127,7 +127,7 @@ def measure_group(group: Group) -> tuple[dict[str, Any], pd.DataFrame]:
         tables = load_tables(given / "diagnosis" / file.sensors.tables)
     minimal = file.model_copy(update={"extension": None})
     models = {BEFORE: minimal, EXTENDED: file}
-    true = oracle(minimal, hidden_by(group.specs, ROBOTS))
+    true = true_model(minimal, parse_effects(group.specs, ROBOTS))
     if true is not None:
         models[ORACLE] = true
     held = plan(group.specs, runs=group.runs, minutes=MINUTES, robots=ROBOTS, seed=group.seed)

@@ -19,8 +19,8 @@ from models.diagnosis import file_hash
 from models.log import SAMPLES, read_log, read_table
 from models.modelfile import ModelFile, find_model_file, read_model_file
 from models.tables import load_tables
+from reality.effects import Hidden, parse_effects
 from studies.execution import Workers, completed
-from studies.gain.oracle import concerned, hidden_by, hidden_in, oracle
 from studies.gain.runs import (
     BEFORE,
     EXTENDED,
@@ -33,6 +33,7 @@ from studies.gain.runs import (
     measure_recorded,
     plan,
 )
+from studies.gain.truth import concerned, hidden_in, told, true_model
 from studies.gain.weigh import weigh
 from studies.provenance import versions
 
@@ -117,9 +118,9 @@ def measure_gain(request: GainRequest, reach: Callable[[float], None] = lambda d
     held, naming = _apart(request.logs, models.file)
     if request.effects:
         robots = _robots(request.logs)
-        hidden = hidden_by(request.effects, robots)
+        hidden = parse_effects(request.effects, robots)
         _check_truth(naming, hidden)
-        true, judged = oracle(models.plain, hidden), _judged(models, hidden)
+        true, judged = true_model(models.plain, hidden), _judged(models, hidden)
         tasks, runs = _to_record(request, models, true, judged, robots, naming)
     else:
         if not held:
@@ -128,20 +129,20 @@ def measure_gain(request: GainRequest, reach: Callable[[float], None] = lambda d
                 ", ".join(map(str, request.logs)),
                 "a log that the extension was not named from, or --effect to record fresh runs",
             )
-        told = [hidden_in(path) for path in held]
-        known = told[0] if all(one == told[0] for one in told) else None
-        true = None if known is None else oracle(models.plain, known)
-        judged = _judged(models, known or [])
+        truths = [hidden_in(path) for path in held]
+        known = truths[0] if all(one == truths[0] for one in truths) else None
+        true = None if known is None else true_model(models.plain, known)
+        judged = _judged(models, known or ())
         tasks, runs = _given(held, models, true, judged), [{"run": str(path)} for path in held]
         present = {int(r) for t in tasks if isinstance(t, Given) for r in t.table["robot"].unique()}
         _check_robots(models, present, request.extended)
     tasks += _sound(request.healthy, models)
     table = _collect(tasks, request.jobs, reach)
-    told_of = "recorded" if request.effects else "logs"
+    source = "recorded" if request.effects else "logs"
     content = {
         "schema": SCHEMA,
         "extended": _provenance(models.file),
-        "held_out": {"source": told_of, "runs": runs, "robots": _listed(judged)},
+        "held_out": {"source": source, "runs": runs, "robots": _listed(judged)},
         "oracle": true is not None,
         "healthy": "twins" if request.effects else _healthy_source(table, request.healthy),
         "errors": weigh(table, seed=request.seed),
@@ -182,15 +183,15 @@ def _robots(logs: Sequence[Path]) -> int:
     return max((int(t["robot"].max()) + 1 for t in tables if "robot" in t), default=ROBOTS)
 
 
-def _check_truth(naming: Sequence[Path], hidden: list[dict[str, Any]]) -> None:
+def _check_truth(naming: Sequence[Path], hidden: Sequence[Hidden]) -> None:
     """Refuse effects other than those of the run that the extension was named from."""
     for path in naming:
-        told = hidden_in(path)
-        if told is not None and told != hidden:
-            raise InputError("--effect", json.dumps(hidden), f"what {path} hid: {json.dumps(told)}")
+        truth = hidden_in(path)
+        if truth is not None and told(truth) != told(hidden):
+            raise InputError("--effect", told(hidden), f"what was hidden in {path}: {told(truth)}")
 
 
-def _judged(models: _Models, hidden: list[dict[str, Any]]) -> frozenset[int] | None:
+def _judged(models: _Models, hidden: Sequence[Hidden]) -> frozenset[int] | None:
     """Robots named or truly altered; None: all."""
     true, named = concerned(hidden), models.robots
     if true is None or named is None or not (true | named):

@@ -13,14 +13,15 @@ from embedded_sim import Drive, InputError
 from models.diagnosis import file_hash
 from models.extension import Extension, NamedCause, ParameterValue
 from models.log import make_log, write_table
-from models.modelfile import ModelFile, load_model, read_model_file
+from models.modelfile import ModelFile, find_model_file, load_model, read_model_file
 from models.prediction import prediction_errors
+from reality.effects import parse_effects
 from studies.diagnosis_files import write_extended
 from studies.gain.catalogue import groups
 from studies.gain.measure import GainRequest, measure_gain
-from studies.gain.oracle import hidden_by, oracle
 from studies.gain.report import write_gain
 from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE, plan
+from studies.gain.truth import true_model
 from studies.gain.weigh import entry, weigh
 from tests.helpers import realitygap
 from tests.models.small import arena_log
@@ -56,8 +57,6 @@ def in_a_lab(room: Path, *causes: NamedCause) -> tuple[Path, Path, Path]:
     runs = [recording(100 * k, f"r{k}") for k in range(1, 5)]
     write_table(pd.concat(runs, ignore_index=True), later)
     named = Extension(log=file_hash([first]), command="by hand", causes=causes)
-    from models.modelfile import find_model_file
-
     write_extended(EPUCK, find_model_file("epuck"), named, room)
     return first, later, room / "extended.toml"
 
@@ -130,12 +129,12 @@ def test_where_nothing_is_beyond_healthy_robots_no_share_is_stated() -> None:
 
 def test_the_true_parameters_are_those_of_the_effects() -> None:
     specs = ("motor_saturation:limit=4,wheel=left,robot=2", "lamp_moved:x=0.1,y=-0.2")
-    true = oracle(EPUCK, hidden_by(specs, 4))
+    true = true_model(EPUCK, parse_effects(specs, 4))
     assert true is not None
     assert true.motion(2).drive.speed_limit == (4.0, np.inf)
     assert true.motion(1) == EPUCK.motion()
     assert true.point_model(TABLES).senses.lamp_shift == (0.1, -0.2)
-    assert oracle(EPUCK, hidden_by(("floor_tilt:slope=0.02",), 4)) is None
+    assert true_model(EPUCK, parse_effects(("floor_tilt:slope=0.02",), 4)) is None
 
 
 def test_held_out_runs_are_other_runs_and_the_twins_have_the_same_seeds() -> None:

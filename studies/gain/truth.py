@@ -1,0 +1,67 @@
+"""What was hidden, where somebody knows: from SPECs, or from the `truth.json` beside a run."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from embedded_sim.errors import InputError
+from models.catalogue import every_cause
+from models.modelfile import ModelFile
+from reality.effects import Hidden, catalogue
+from studies.oracle import oracle
+
+TRUTH = "truth.json"
+
+
+def hidden_in(run: Path) -> tuple[Hidden, ...] | None:
+    """What a run's `truth.json` says; None where there is none, as in a lab, or where it tells of
+    something that no catalogue lists.
+
+    Raises:
+        InputError: it is no such file.
+    """
+    path = run / TRUTH
+    if not path.is_file():
+        return None
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"))["effects"]
+        if any(one["name"] not in catalogue() for one in told):
+            return None
+        return tuple(
+            Hidden(
+                catalogue()[one["name"]],
+                one["parameters"],
+                () if one["robots"] == "all" else tuple(one["robots"]),
+            )
+            for one in told
+        )
+    except (OSError, ValueError, KeyError, TypeError):
+        raise InputError(str(path), "something else", "the truth.json of a run") from None
+
+
+def told(hidden: Sequence[Hidden]) -> str:
+    """What is hidden as one line, the same for the same."""
+    return json.dumps([one.truth() for one in hidden], sort_keys=True)
+
+
+def concerned(hidden: Sequence[Hidden]) -> set[int] | None:
+    """Robots that something was hidden in; None: all of them."""
+    if any(not one.robots for one in hidden):
+        return None
+    return {robot for one in hidden for robot in one.robots}
+
+
+def true_model(plain: ModelFile, hidden: Sequence[Hidden]) -> ModelFile | None:
+    """The model with the true parameters; None where the point model has no term for an effect, or
+    none of that size."""
+    causes = [every_cause().get(one.effect.name) for one in hidden]
+    if any(cause is None or not cause.identifiable for cause in causes):
+        return None
+    try:
+        return plain.model_copy(update={"extension": oracle(hidden)})
+    except ValidationError:
+        return None
