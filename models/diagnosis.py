@@ -14,6 +14,7 @@ from typing import Any, Literal
 
 from models.extension import Extension, NamedCause, ParameterValue
 from models.identify.swarm import Named
+from models.proposal.menu import Proposal
 
 SCHEMA = 1
 Verdict = Literal["named", "nothing_wrong", "unexplained", "ambiguous"]
@@ -59,6 +60,8 @@ class Diagnosis:
     robots: tuple[int, ...] = ()
     reference: str = ""
     """What health was taken from; empty: nothing."""
+    proposal: Proposal | None = None
+    """What to let the robots do next; None: nothing is ambiguous, or nothing would help."""
 
     @property
     def verdict(self) -> Verdict:
@@ -82,14 +85,20 @@ def robots_of(named: Named) -> list[int] | str:
     return "all" if named.whole_swarm else list(named.robots)
 
 
-def next_experiment(named: tuple[Named, ...]) -> dict[str, Any] | None:
-    """What to let the robots do next, for the first cause that has a rival."""
-    for one in named:
-        others = alternatives(one)
-        if others:
-            cause = one.term.cause
-            return {"name": cause.experiment, "separates": [cause.name, *others]}
-    return None
+def next_experiment(found: Diagnosis) -> dict[str, Any] | None:
+    """What to let the robots do next, as `diagnosis.json` has it."""
+    proposal = found.proposal
+    if proposal is None:
+        return None
+    return {
+        "name": proposal.best.name,
+        "separates": list(proposal.separates),
+        "does": proposal.probe.does,
+        "separation": proposal.best.separation,
+        "lamp": "off" if proposal.probe.dark else "as it was",
+        "needs": list(proposal.needs),
+        "menu": [{"name": o.name, "separation": o.separation} for o in proposal.options],
+    }
 
 
 def as_json(found: Diagnosis) -> dict[str, Any]:
@@ -109,7 +118,7 @@ def as_json(found: Diagnosis) -> dict[str, Any]:
             }
             for one in found.unexplained
         ],
-        "next_experiment": next_experiment(found.named),
+        "next_experiment": next_experiment(found),
         "gain": {
             name: {
                 "before": g.before,

@@ -146,10 +146,18 @@ def read_reference(path: Path) -> Reference:
         raise InputError(f"{path.name}: {where}", first["msg"], "a healthy reference") from None
 
 
-def shipped_reference(model: str) -> Reference | None:
-    """The reference that comes with the package for a model of this name; None: there is none."""
-    found = (read_reference(path) for path in sorted(DIRECTORY.glob("*.json")))
-    return next((reference for reference in found if reference.model == model), None)
+def shipped_reference(model: str, *, manoeuvres: bool = False) -> Reference | None:
+    """The reference that comes with the package for a model of this name; None: there is none.
+
+    With `manoeuvres` that of robots which stop and reverse, where there is one.
+    """
+    folders = ([DIRECTORY / "manoeuvres"] if manoeuvres else []) + [DIRECTORY]
+    for folder in folders:
+        found = (read_reference(path) for path in sorted(folder.glob("*.json")))
+        for reference in found:
+            if reference.model == model:
+                return reference
+    return None
 
 
 def no_reference(model: str, drive: Drive) -> Reference:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,9 @@ from models.extension import Extension
 from models.identify.diagnose import diagnose
 from models.log import SAMPLES, MeasuredLog, make_log, read_table
 from models.modelfile import ModelFile, find_model_file, read_model_file
+from models.proposal.propose import with_proposal
 from models.reference import Reference, read_reference, shipped_reference
+from models.repertoire import manoeuvres
 from models.senses.joined import with_senses
 from models.senses.reference import (
     SenseReference,
@@ -28,31 +29,11 @@ from models.senses.reference import (
     shipped_sense_reference,
 )
 from models.tables import load_tables
+from studies.diagnosis_request import Request
+from studies.next_experiment import commands
 from studies.output import whole_directory
 
 NO_REFERENCE = "none"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Request:
-    """What to diagnose and with what."""
-
-    logs: tuple[Path, ...]
-    model: str | None = None
-    reference: str | None = None
-    seed: int = 0
-    without: tuple[str, ...] = ()
-    """Causes of the catalogue that are not to be tried."""
-
-    @property
-    def command(self) -> str:
-        """What a user would type."""
-        words = ["realitygap diagnose", *(str(path) for path in self.logs)]
-        words += [f"--model {self.model}"] if self.model else []
-        words += [f"--reference {self.reference}"] if self.reference else []
-        words += [f"--seed {self.seed}"] if self.seed else []
-        words += [f"--without {name}" for name in self.without]
-        return " ".join(words)
 
 
 def diagnose_files(request: Request, out: Path, *, force: bool = False) -> Diagnosis:
@@ -67,22 +48,29 @@ def diagnose_files(request: Request, out: Path, *, force: bool = False) -> Diagn
     path = find_model_file(request.model)
     model = read_model_file(path)
     log = read_logs(request.logs, model)
-    healthy = _reference(request.reference, model)
+    scripted = manoeuvres(log)
+    healthy = _reference(request.reference, model, scripted)
     tables = None if model.sensors is None else load_tables(path.parent / model.sensors.tables)
-    senses = _sense_reference(request.reference, model)
+    senses = _sense_reference(request.reference, model, scripted)
     with without(request.without):
-        examined = diagnose(log, model, healthy, seed=request.seed, name=path.name)
-        examined = with_senses(examined, log, tables, senses, seed=request.seed)
+        motion = diagnose(log, model, healthy, seed=request.seed, name=path.name)
+        examined = with_senses(motion, log, tables, senses, seed=request.seed)
+        examined = with_proposal(examined, tables)
     found = examined.diagnosis
     named = extension(found, log_hash=_hash(request.logs), command=request.command)
     from studies.diagnosis_report import write_report
 
+    content = as_json(found)
+    following: tuple[str, ...] = ()
+    if found.proposal is not None:
+        following = commands(found.proposal, request, log)
+        content["next_experiment"]["commands"] = list(following)
     with whole_directory(out, force=force, holds=("diagnosis.json",)) as part:
         (part / "diagnosis.json").write_text(
-            json.dumps(as_json(found), indent=1, allow_nan=False) + "\n", encoding="utf-8"
+            json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8"
         )
         write_extended(model, path, named, part)
-        write_report(examined, part / "report.html", command=request.command)
+        write_report(examined, part / "report.html", command=request.command, following=following)
     return found
 
 
@@ -159,21 +147,21 @@ def _literal(value: Any) -> str:
     return json.dumps(value)
 
 
-def _reference(given: str | None, model: ModelFile) -> Reference | None:
+def _reference(given: str | None, model: ModelFile, scripted: bool) -> Reference | None:
     """The healthy reference asked for, or the shipped one of the model."""
     if given == NO_REFERENCE:
         return None
     if given is not None:
         return read_reference(Path(given))
-    return shipped_reference(model.name)
+    return shipped_reference(model.name, manoeuvres=scripted)
 
 
-def _sense_reference(given: str | None, model: ModelFile) -> SenseReference | None:
+def _sense_reference(given: str | None, model: ModelFile, scripted: bool) -> SenseReference | None:
     """The senses' reference beside the one asked for, or the shipped one of the model."""
     if given == NO_REFERENCE:
         return None
     if given is None:
-        return shipped_sense_reference(model.name)
+        return shipped_sense_reference(model.name, manoeuvres=scripted)
     path = beside(Path(given))
     return read_sense_reference(path) if path.is_file() else None
 

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from models.causes import causes
-from models.diagnosis import alternatives, next_experiment
+from models.diagnosis import alternatives
 from models.identify.diagnose import Examination
 from models.senses.joined import WholeExamination
 from studies import diagnosis_figures as figures
 from studies import sense_figures
 from studies.diagnosis_words import leftover_sentence, value_text, verdict_sentence, who
+from studies.next_experiment import next_section
 from studies.paper.page import Picture, Section, Table, write_page
 
 CHECKED = (
@@ -48,11 +50,14 @@ LEFT_IN_SENSES = (
 )
 
 
-def write_report(examined: Examination, path: Path, *, command: str) -> None:
-    """Write the page."""
+def write_report(
+    examined: Examination, path: Path, *, command: str, following: Sequence[str] = ()
+) -> None:
+    """Write the page; `following` are the commands that perform what is proposed."""
     with tempfile.TemporaryDirectory(prefix="realitygap-") as room:
         sections = [
             _found(examined),
+            *next_section(examined.diagnosis.proposal, following, Path(room)),
             _pictures(examined, Path(room)),
             _robots(examined),
             _not_checked(examined),
@@ -66,10 +71,6 @@ def _found(examined: Examination) -> Section:
     found = examined.diagnosis
     texts = [f"{who(one)}: {one.term.cause.meaning}." for one in found.named]
     texts += [leftover_sentence(one) for one in found.unexplained]
-    following = next_experiment(found.named)
-    if following is not None:
-        rivals = " and ".join(following["separates"])
-        texts.append(f"To tell {rivals} apart, let the robots do: {following['name']}.")
     rows = [
         {
             "cause": one.term.cause.name,

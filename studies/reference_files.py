@@ -13,6 +13,7 @@ import numpy as np
 
 from embedded_sim.errors import InputError
 from embedded_sim.model import FloatArray
+from embedded_sim.probes import MENU, PREFIX
 from models.identify.healthy import Healthy, fit_inherent, fit_terms, make_reference
 from models.identify.tracks import Tracks, cut_tracks
 from models.log import read_log
@@ -32,6 +33,11 @@ KINDS = (
     ("coevolution", "light-opposite-nest"),
 )
 """Controller and case of the recorded runs, in turn: health must hold whatever robots do."""
+MANOEUVRES = (
+    *((PREFIX + name, "no-light" if one.dark else "light-at-nest") for name, one in MENU.items()),
+    *KINDS[:3],
+)
+"""The same where health must hold for robots that perform manoeuvres, and forage besides."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +46,7 @@ class ReferenceRequest:
 
     logs: tuple[Path, ...] = ()
     runs: int = 0
+    manoeuvres: bool = False
     seed: int = 0
     model: str | None = None
     jobs: int | None = None
@@ -49,6 +56,7 @@ class ReferenceRequest:
         """What a user would type."""
         words = ["realitygap reference", *(str(path) for path in self.logs)]
         words += [f"--runs {self.runs} --seed {self.seed}"] if self.runs else []
+        words += ["--manoeuvres"] if self.manoeuvres else []
         words += [f"--model {self.model}"] if self.model else []
         return " ".join(words)
 
@@ -82,7 +90,8 @@ def write_reference_of(
         tempfile.TemporaryDirectory(prefix="realitygap-") as room,
         ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool,
     ):
-        tasks = [(k, request.seed, Path(room)) for k in range(request.runs)]
+        kinds = MANOEUVRES if request.manoeuvres else KINDS
+        tasks = [(k, kinds[k % len(kinds)], request.seed, Path(room)) for k in range(request.runs)]
         recorded = []
         for path in pool.map(_record, tasks):
             recorded.append(path)
@@ -108,12 +117,11 @@ def write_reference_of(
     return made
 
 
-def _record(task: tuple[int, int, Path]) -> Path:
+def _record(task: tuple[int, tuple[str, str], int, Path]) -> Path:
     """Record one healthy run of the nominal world."""
     from studies.experiment import RunConfig, simulate
 
-    number, seed, room = task
-    controller, case = KINDS[number % len(KINDS)]
+    number, (controller, case), seed, room = task
     out = room / f"run{number}"
     out.mkdir()
     config = RunConfig.model_validate(

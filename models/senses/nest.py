@@ -109,6 +109,13 @@ def crossed(seen: Answers) -> list[int]:
     ]
 
 
+def lost_by(seen: Answers, nest: tuple[float, float, float], truth: FloatArray, name: str) -> float:
+    """Deviance that the best change of one kind loses against a true change (3,) of the nest."""
+    near = _near_edge(seen, nest)
+    best = _fit(near, nest, np.zeros(3), CAUSES[name])
+    return float((_loss(near, nest, best) - _loss(near, nest, truth)).sum())
+
+
 def _only(seen: Answers, rows: npt.NDArray[np.bool_]) -> Answers:
     place, inside, block, robot, of_log = seen
     return Answers(place[rows], inside[rows], block[rows], robot[rows], of_log[rows])

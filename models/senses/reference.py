@@ -188,7 +188,15 @@ def beside(motion: Path) -> Path:
     return motion.with_suffix(".senses.json")
 
 
-def shipped_sense_reference(model: str) -> SenseReference | None:
-    """The reference that comes with the package for a model of this name; None: there is none."""
-    found = (read_sense_reference(path) for path in sorted(DIRECTORY.glob("*.json")))
-    return next((reference for reference in found if reference.model == model), None)
+def shipped_sense_reference(model: str, *, manoeuvres: bool = False) -> SenseReference | None:
+    """The reference that comes with the package for a model of this name; None: there is none.
+
+    With `manoeuvres` that of robots which stop and reverse, where there is one.
+    """
+    folders = ([DIRECTORY / "manoeuvres"] if manoeuvres else []) + [DIRECTORY]
+    for folder in folders:
+        found = (read_sense_reference(path) for path in sorted(folder.glob("*.json")))
+        for reference in found:
+            if reference.model == model:
+                return reference
+    return None

@@ -105,7 +105,7 @@ def look(
     free = np.hstack(
         [
             ~neighbours.in_ray(poses, model),
-            _lamp_in_sight(poses, scenario, neighbours, model),
+            lamp_in_sight(poses, scenario, neighbours, model),
         ]
     )
     start = log.t[log.start[:-1]][log.segment][rows]
@@ -187,7 +187,7 @@ def _as_stood(
     return result
 
 
-def _lamp_in_sight(
+def lamp_in_sight(
     poses: FloatArray,
     scenario: npt.NDArray[np.int32],
     neighbours: Neighbours,

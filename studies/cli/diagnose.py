@@ -37,7 +37,8 @@ def diagnose(
 
     Writes diagnosis.json, extended.toml (the model with what was named) and report.html.
     """
-    from studies.diagnosis_files import Request, diagnose_files
+    from studies.diagnosis_files import diagnose_files
+    from studies.diagnosis_request import Request
     from studies.diagnosis_words import verdict_sentence
     from studies.output import check_free
 

@@ -25,6 +25,9 @@ def reference(
         typer.Option(help="Model file, or the name of a shipped robot."),
     ] = None,
     runs: Annotated[int, typer.Option(help="Healthy runs of the nominal world to record.")] = 0,
+    manoeuvres: Annotated[
+        bool, typer.Option("--manoeuvres", help="Record the manoeuvres of probe:NAME in turn.")
+    ] = False,
     seed: Annotated[int, typer.Option(help="Of the recorded runs.")] = 0,
     jobs: Annotated[
         Optional[int],  # noqa: UP045
@@ -42,7 +45,14 @@ def reference(
     from studies.progress import Progress
     from studies.reference_files import ReferenceRequest, write_reference_of
 
-    request = ReferenceRequest(logs=tuple(log or ()), runs=runs, seed=seed, model=model, jobs=jobs)
+    request = ReferenceRequest(
+        logs=tuple(log or ()),
+        runs=runs,
+        manoeuvres=manoeuvres,
+        seed=seed,
+        model=model,
+        jobs=jobs,
+    )
     total = float(len(request.logs) + 2 * runs)
     with Progress("reference", total, quiet) as shown:
         made = write_reference_of(request, out, force=force, reach=shown.reach)

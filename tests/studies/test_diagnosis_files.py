@@ -10,7 +10,8 @@ from embedded_sim import Drive, InputError
 from models.extension import Extension, NamedCause, ParameterValue
 from models.log import write_table
 from models.modelfile import read_model_file
-from studies.diagnosis_files import Request, diagnose_files, read_logs, to_toml
+from studies.diagnosis_files import diagnose_files, read_logs, to_toml
+from studies.diagnosis_request import Request
 from studies.reference_files import ReferenceRequest, write_reference_of
 from tests.models.small import driven_log
 

@@ -1,0 +1,1 @@
+"""What to let the robots do next: the manoeuvre in which two rival causes differ most."""
