@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from embedded_sim.probes import PREFIX
 from models.catalogue import every_cause
 from reality.effects import Effect, Parameter, catalogue
 from studies.blind.menu import MENU
@@ -34,7 +35,8 @@ through measured numbers.
 
 `robot=K`, any number of times, limits an effect to some robots; without it the whole swarm has it.
 Lamps, walls and the floor belong to the place and take no `robot`. Brackets hold the bounds of a
-value, `null` is the value that changes nothing, and a key with a default may be left out.
+value, `null` is the value that changes nothing, and a key with a default may be left out. The last
+column names a manoeuvre of `realitygap run --controller probe:NAME` ([menu](next-experiment.md)).
 """
 
 
@@ -49,7 +51,7 @@ class Entry:
     """What the diagnosis calls it in words; empty: it has no such cause."""
     confusable_with: tuple[str, ...]
     experiment: str
-    """What shows it best."""
+    """Manoeuvre that shows it best."""
 
 
 def entries(kind: str) -> Iterator[Entry]:
@@ -62,7 +64,8 @@ def entries(kind: str) -> Iterator[Entry]:
         if known is None:
             yield Entry(effect, keys, "", (), "")
         else:
-            yield Entry(effect, keys, known.meaning, known.confusable_with, known.experiment)
+            seen = f"`{PREFIX}{known.experiment}`" if known.experiment else ""
+            yield Entry(effect, keys, known.meaning, known.confusable_with, seen)
 
 
 def key_text(name: str, parameter: Parameter) -> str:

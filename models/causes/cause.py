@@ -101,7 +101,7 @@ class Cause:
     separated_by: tuple[str, ...] = ()
     """Columns that tell a cause from its twins."""
     experiment: str = ""
-    """What to let the robot do to see it best."""
+    """Manoeuvre of the menu (`embedded_sim.probes`) that shows it best."""
     identifiable: bool = True
     """False: known, but not visible enough in motion to be named."""
     smooth: bool = True

@@ -22,5 +22,5 @@ CAUSE = Cause(
     confusable_with=("command_latency",),
     twins=("command_latency",),
     separated_by=("wheel_left", "wheel_right"),
-    experiment="steps of speed with the sensors or encoders logged",
+    experiment="steps",
 )

@@ -33,5 +33,5 @@ CAUSE = Cause(
     twins=("clock_offset",),
     as_twin=_as_twin,
     separated_by=("wheel_left", "wheel_right"),
-    experiment="steps of speed with the sensors or encoders logged",
+    experiment="steps",
 )

@@ -20,6 +20,6 @@ CAUSE = Cause(
     ),
     change=_change,
     confusable_with=("low_friction",),
-    experiment="weak motors on straights in all directions",
+    experiment="straights",
     identifiable=False,
 )

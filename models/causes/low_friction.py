@@ -64,6 +64,6 @@ CAUSE = Cause(
     twins=("weak_motor",),
     as_twin=_as_twin,
     separated_by=("wheel_left", "wheel_right"),
-    experiment="steps of speed with encoders logged",
+    experiment="steps",
     starts=_starts,
 )

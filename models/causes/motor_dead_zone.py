@@ -57,7 +57,7 @@ CAUSE = Cause(
     variants=("left", "right", "both"),
     word="wheel",
     confusable_with=("wheel_radius_scale",),
-    experiment="a slow ramp of speed from rest",
+    experiment="slow-ramp",
     smooth=False,
     starts=_starts,
 )

@@ -49,6 +49,6 @@ CAUSE = Cause(
     change=_change,
     family="transient",
     confusable_with=("command_latency", "weak_motor", "low_friction"),
-    experiment="steps of speed",
+    experiment="steps",
     starts=_starts,
 )

@@ -40,6 +40,6 @@ CAUSE = Cause(
     variants=("left", "right", "both"),
     word="wheel",
     confusable_with=("wheel_radius_scale", "wheel_radius_mismatch"),
-    experiment="straights at rising speed",
+    experiment="straights",
     starts=_starts,
 )

@@ -22,5 +22,5 @@ CAUSE = Cause(
     ),
     change=_change,
     confusable_with=("wheel_radius_scale",),
-    experiment="a longer run",
+    experiment="straights",
 )

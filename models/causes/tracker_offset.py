@@ -23,5 +23,5 @@ CAUSE = Cause(
     ),
     change=_change,
     confusable_with=("wheel_separation",),
-    experiment="spins both ways",
+    experiment="spins",
 )

@@ -59,6 +59,6 @@ CAUSE = Cause(
     confusable_with=("low_friction", "motor_lag"),
     twins=("low_friction",),
     separated_by=("wheel_left", "wheel_right"),
-    experiment="steps of speed with encoders logged",
+    experiment="steps",
     starts=_starts,
 )

@@ -27,5 +27,5 @@ CAUSE = Cause(
     ),
     change=_change,
     confusable_with=("tracker_yaw_offset", "wheel_separation"),
-    experiment="straights and spins both ways",
+    experiment="straights",
 )

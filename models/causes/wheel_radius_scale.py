@@ -24,5 +24,5 @@ CAUSE = Cause(
     ),
     change=_change,
     confusable_with=("speed_droop", "motor_saturation", "motor_dead_zone", "wheel_separation"),
-    experiment="long straights at several speeds",
+    experiment="straights",
 )

@@ -30,5 +30,5 @@ CAUSE = Cause(
     ),
     change=_change,
     confusable_with=("wheel_radius_scale", "wheel_radius_mismatch"),
-    experiment="spins both ways, and straights",
+    experiment="spins",
 )

@@ -142,6 +142,7 @@ def _sight(flight: Flight, log: Sight, model: PointModel) -> Sight:
         free=free & read,
         block=np.unique(block, return_inverse=True)[1],
         neighbours=neighbours,
+        commanded=np.zeros((len(who), 2)),  # only what is unexplained looks at it
     )
 
 
@@ -171,5 +172,5 @@ def _edges_apart(flight: Flight, named: Named, model: PointModel, rival: str) ->
         change[2]
     )
     rows = np.arange(len(place), dtype=np.int64)
-    seen = nest.Answers(np.ascontiguousarray(place), inside, rows, rows)
+    seen = nest.Answers(np.ascontiguousarray(place), inside, rows, rows, rows)
     return float(np.sqrt(max(nest.lost_by(seen, model.nest, change, rival), 0.0)))

@@ -15,6 +15,7 @@ from models.identify.select import Evidence
 from models.identify.swarm import Named
 from models.identify.value import Value
 from models.modelfile import find_model_file, load_models, read_model_file
+from models.proposal.menu import Option, Proposal
 from models.reference import (
     Reference,
     Spread,
@@ -71,7 +72,15 @@ def test_the_verdict_follows_from_what_was_found(found: Diagnosis, verdict: str)
 
 
 def test_the_json_says_what_for_whom_how_large_and_what_else() -> None:
-    content = json.loads(json.dumps(as_json(Diagnosis(named=(named(rivals=(LAG,)),)))))
+    proposal = Proposal(
+        separates=("motor_saturation", "motor_lag"),
+        options=(
+            Option(name="steps", separation=30.0),
+            Option(name="circle", separation=0.5),
+        ),
+    )
+    found = Diagnosis(named=(named(rivals=(LAG,)),), proposal=proposal)
+    content = json.loads(json.dumps(as_json(found)))
     cause = content["causes"][0]
     assert cause["name"] == "motor_saturation"
     assert cause["robots"] == [3]
@@ -80,7 +89,10 @@ def test_the_json_says_what_for_whom_how_large_and_what_else() -> None:
     assert cause["parameters"]["wheel"]["value"] == "left"
     assert cause["evidence"]["held_out_gain"] == 0.41
     assert cause["alternatives"] == ["motor_lag"]
-    assert content["next_experiment"]["separates"] == ["motor_saturation", "motor_lag"]
+    following = content["next_experiment"]
+    assert following["name"] == "steps"
+    assert following["separates"] == ["motor_saturation", "motor_lag"]
+    assert [one["name"] for one in following["menu"]] == ["steps", "circle"]
 
 
 def test_an_extended_model_loads_and_holds_what_was_named(tmp_path: Path) -> None:

@@ -33,5 +33,5 @@ CAUSE = SenseCause(
     place=True,
     columns=(*LS, "case"),
     confusable_with=("second_lamp",),
-    experiment="far from the lamp, or with the lamp off",
+    experiment="dark-tour",
 )

@@ -25,5 +25,5 @@ CAUSE = SenseCause(
     variants=ONE_SENSOR,
     word="sensor",
     columns=PS,
-    experiment="turning on the spot at the wall",
+    experiment="tour",
 )

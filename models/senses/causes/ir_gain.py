@@ -28,5 +28,5 @@ CAUSE = SenseCause(
     word="sensor",
     columns=PS,
     confusable_with=("wall_albedo",),
-    experiment="two robots facing one another, then the wall",
+    experiment="face-to-face",
 )

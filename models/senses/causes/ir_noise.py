@@ -23,5 +23,5 @@ CAUSE = SenseCause(
     sense=_sense,
     kind="direct",
     columns=PS,
-    experiment="standing at the wall",
+    experiment="face-to-face",
 )

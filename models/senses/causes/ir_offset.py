@@ -23,5 +23,5 @@ CAUSE = SenseCause(
     sense=_sense,
     kind="ps",
     columns=PS,
-    experiment="standing in the middle of the arena, alone",
+    experiment="alone",
 )

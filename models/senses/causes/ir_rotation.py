@@ -22,5 +22,5 @@ CAUSE = SenseCause(
     kind="both",
     columns=PS,
     confusable_with=("tracker_yaw_offset",),
-    experiment="turning on the spot near the lamp and at the wall",
+    experiment="tour",
 )

@@ -23,5 +23,5 @@ CAUSE = SenseCause(
     place=True,
     columns=(*LS, "case"),
     confusable_with=("lamp_intensity",),
-    experiment="a longer log near the lamp",
+    experiment="tour",
 )

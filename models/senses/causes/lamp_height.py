@@ -30,5 +30,5 @@ CAUSE = SenseCause(
     place=True,
     columns=(*LS, "case"),
     confusable_with=("lamp_intensity", "light_falloff"),
-    experiment="near and far from the lamp",
+    experiment="tour",
 )

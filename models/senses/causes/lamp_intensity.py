@@ -25,5 +25,5 @@ CAUSE = SenseCause(
     place=True,
     columns=(*LS, "case"),
     confusable_with=("lamp_height", "light_falloff", "lamp_decay"),
-    experiment="near and far from the lamp",
+    experiment="tour",
 )

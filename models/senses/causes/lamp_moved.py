@@ -27,5 +27,5 @@ CAUSE = SenseCause(
     place=True,
     columns=(*LS, "case"),
     confusable_with=("second_lamp",),
-    experiment="turning on the spot at several places",
+    experiment="tour",
 )

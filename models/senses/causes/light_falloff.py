@@ -26,5 +26,5 @@ CAUSE = SenseCause(
     place=True,
     columns=(*LS, "case"),
     confusable_with=("lamp_height", "lamp_intensity", "light_gamma"),
-    experiment="near and far from the lamp",
+    experiment="tour",
 )

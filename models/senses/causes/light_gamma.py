@@ -22,5 +22,5 @@ CAUSE = SenseCause(
     kind="ls",
     columns=(*LS, "case"),
     confusable_with=("light_falloff", "lamp_height", "ambient_light"),
-    experiment="near and far from the lamp, and with the lamp off",
+    experiment="tour",
 )

@@ -24,5 +24,5 @@ CAUSE = SenseCause(
     variants=ONE_SENSOR,
     word="sensor",
     columns=LS,
-    experiment="turning on the spot near the lamp",
+    experiment="tour",
 )

@@ -25,5 +25,5 @@ CAUSE = SenseCause(
     kind="nest",
     columns=("nest",),
     confusable_with=("nest_radius",),
-    experiment="crossing the nest's edge on every side",
+    experiment="tour",
 )

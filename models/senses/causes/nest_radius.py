@@ -23,5 +23,5 @@ CAUSE = SenseCause(
     kind="nest",
     columns=("nest",),
     confusable_with=("nest_moved",),
-    experiment="crossing the nest's edge on every side",
+    experiment="tour",
 )

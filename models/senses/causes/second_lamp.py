@@ -50,6 +50,6 @@ CAUSE = SenseCause(
     place=True,
     columns=(*LS, "case"),
     confusable_with=("ambient_light", "lamp_moved"),
-    experiment="turning on the spot at several places with the lamp off",
+    experiment="dark-tour",
     starts=_starts,
 )

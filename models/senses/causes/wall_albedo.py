@@ -25,5 +25,5 @@ CAUSE = SenseCause(
     place=True,
     columns=PS,
     confusable_with=("ir_gain",),
-    experiment="two robots facing one another, then the wall",
+    experiment="face-to-face",
 )

@@ -1,0 +1,229 @@
+"""Ambiguous pairs: does the proposed manoeuvre settle what a log left open?
+
+`python -m studies.ambiguous --trials 6 --out out/ambiguous.csv`. A trial hides one of two rivals,
+records a log that cannot tell them apart, diagnoses it, lets the same robots perform what was
+proposed, and diagnoses both logs together. The diagnosis gets the logs and nothing else.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import tempfile
+from collections.abc import Callable, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import typer
+
+from embedded_sim.probes import PREFIX
+from models.schema import ENCODERS
+from studies.diagnosis_files import diagnose_files
+from studies.diagnosis_request import Request
+from studies.experiment import RunConfig, simulate
+
+Hide = Callable[[np.random.Generator], str]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pair:
+    """Two causes, and a log that cannot tell them apart."""
+
+    why: str
+    """What the log lacks."""
+    hide: Mapping[str, Hide]
+    """By name of the cause: how it is hidden."""
+    controller: str = "search"
+    case: str = "light-at-nest"
+    minutes: float = 2.0
+    robots: int = 5
+    lacks: tuple[str, ...] = ()
+    """Columns that the first log is without."""
+
+
+def _even(name: str, key: str, low: float, high: float, robot: int | None = 1) -> Hide:
+    """A value between two bounds, in one robot or in all."""
+    who = "" if robot is None else f",robot={robot}"
+
+    def spec(random: np.random.Generator) -> str:
+        return f"{name}:{key}={random.uniform(low, high):.6g}{who}"
+
+    return spec
+
+
+PAIRS: Mapping[str, Pair] = {
+    "torque or friction": Pair(
+        why="no encoders",
+        hide={
+            "weak_motor": _even("weak_motor", "torque", 0.0015, 0.003),
+            "low_friction": _even("low_friction", "friction", 0.08, 0.2),
+        },
+        lacks=ENCODERS,
+    ),
+    "latency or clock": Pair(
+        why="no encoders",
+        hide={
+            "command_latency": _even("command_latency", "seconds", 0.03, 0.08),
+            "clock_offset": _even("clock_offset", "seconds", 0.03, 0.08),
+        },
+        lacks=ENCODERS,
+    ),
+    "droop or radius": Pair(
+        why="half a minute: a loss of speed does not show as one that grows",
+        hide={
+            "speed_droop": _even("speed_droop", "rate", 3e-4, 5e-4),
+            "wheel_radius_scale": _even("wheel_radius_scale", "scale", 0.990, 0.994),
+        },
+        minutes=0.5,
+    ),
+    "wall or sensors": Pair(
+        why="three robots for twenty seconds: none meets another",
+        hide={
+            "ir_gain": _even("ir_gain", "scale", 1.2, 1.4, None),
+            "wall_albedo": _even("wall_albedo", "scale", 1.2, 1.4, None),
+        },
+        minutes=1.0 / 3.0,
+        robots=3,
+    ),
+    "nest moved or larger": Pair(
+        why="three robots for fifteen seconds: the nest's edge is crossed on one side",
+        hide={
+            "nest_moved": _even("nest_moved", "x", -0.03, -0.015, None),
+            "nest_radius": _even("nest_radius", "scale", 1.05, 1.12, None),
+        },
+        minutes=0.25,
+        robots=3,
+    ),
+}
+"""By name."""
+
+
+def trial(name: str, truth: str, seed: int) -> dict[str, Any]:
+    """One trial: what was hidden, what the first log said, and what both together say."""
+    pair = PAIRS[name]
+    first, second, values = np.random.SeedSequence([seed, *name.encode()]).spawn(3)
+    spec = pair.hide[truth](np.random.default_rng(values))
+    with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
+        room = Path(scratch)
+        alone = room / "first.parquet"
+        _record(pair, pair.controller, pair.case, pair.minutes, spec, first, alone)
+        if pair.lacks:
+            pd.read_parquet(alone).drop(columns=list(pair.lacks)).to_parquet(alone, index=False)
+        before = _answer((alone,), room / "before")
+        result = {
+            "pair": name,
+            "truth": truth,
+            "seed": seed,
+            "hidden": spec,
+            "first": _said(before),
+            "ambiguous": before["verdict"] == "ambiguous",
+            "proposed": "",
+            "both": "",
+            "right": False,
+        }
+        following = before["next_experiment"]
+        if following is None or not set(pair.hide) <= set(following["separates"]):
+            result["ambiguous"] = False
+            return result
+        case = "no-light" if following["lamp"] == "off" else pair.case
+        also = room / "second.parquet"
+        _record(pair, PREFIX + following["name"], case, 2.0, spec, second, also)
+        after = _answer((alone, also), room / "after")
+        right = (
+            after["verdict"] == "named"
+            and [cause["name"] for cause in after["causes"]] == [truth]
+            and after["causes"][0]["robots"] == _concerned(spec)
+        )
+        return {
+            **result,
+            "proposed": following["name"],
+            "separation": round(following["separation"], 1),
+            "both": _said(after),
+            "right": right,
+        }
+
+
+def _record(
+    pair: Pair,
+    controller: str,
+    case: str,
+    minutes: float,
+    spec: str,
+    seed: np.random.SeedSequence,
+    log: Path,
+) -> None:
+    """Simulate, and keep the log alone."""
+    config = RunConfig.model_validate(
+        {
+            "controller": controller,
+            "case": case,
+            "minutes": minutes,
+            "robots": pair.robots,
+            "seed": int(seed.generate_state(1)[0]),
+        }
+    )
+    run = log.with_suffix("")
+    run.mkdir()
+    simulate(config, (spec,), run)
+    shutil.move(run / "samples.parquet", log)
+    shutil.rmtree(run)
+
+
+def _answer(logs: tuple[Path, ...], out: Path) -> dict[str, Any]:
+    diagnose_files(Request(logs=logs), out)
+    answer: dict[str, Any] = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
+    return answer
+
+
+def _concerned(spec: str) -> list[int] | str:
+    """Robots that have an effect, as `diagnosis.json` has them."""
+    robots = [int(part.removeprefix("robot=")) for part in spec.split(",") if "robot=" in part]
+    return robots or "all"
+
+
+def _said(answer: dict[str, Any]) -> str:
+    """Verdict and names in a line."""
+    names = [
+        " or ".join((cause["name"], *cause["alternatives"])) + f" of {cause['robots']}"
+        for cause in answer["causes"]
+    ]
+    return f"{answer['verdict']}: {'; '.join(names)}"
+
+
+def _numbered(task: tuple[str, str, int]) -> dict[str, Any]:
+    return trial(*task)
+
+
+def main() -> None:
+    """Run trials of every pair, the two rivals by turns."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--trials", type=int, default=6, help="of each pair")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", choices=list(PAIRS), action="append")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--out", type=Path, required=True)
+    asked = parser.parse_args()
+    tasks = [
+        (name, list(PAIRS[name].hide)[k % 2], asked.seed + k)
+        for k in range(asked.trials)
+        for name in asked.only or PAIRS
+    ]
+    rows: list[dict[str, Any]] = []
+    with ProcessPoolExecutor(asked.jobs, mp_context=get_context("spawn")) as pool:
+        for row in pool.map(_numbered, tasks):
+            rows.append(row)
+            typer.echo(json.dumps(row))
+            pd.DataFrame(rows).to_csv(asked.out, index=False)
+    table = pd.DataFrame(rows)
+    counted = table[table["ambiguous"]].groupby("pair")["right"].agg(["sum", "count"])
+    typer.echo(counted.to_string())
+
+
+if __name__ == "__main__":
+    main()
