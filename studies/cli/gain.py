@@ -32,6 +32,10 @@ def gain(
         Optional[list[Path]],  # noqa: UP045
         typer.Option(help="Log of sound robots, for the level that can be reached; repeatable."),
     ] = None,
+    transfer: Annotated[
+        Optional[Path],  # noqa: UP045
+        typer.Option(help="Directory of a finished `study transfer`: the gain in food, beside."),
+    ] = None,
     runs: Annotated[int, typer.Option(help="Fresh runs to record.")] = 6,
     minutes: Annotated[float, typer.Option(help="Simulated minutes of each.")] = 2.0,
     seed: Annotated[int, typer.Option(min=0, help="Of the fresh runs and the intervals.")] = 0,
@@ -46,7 +50,7 @@ def gain(
 
     Errors by channel and horizon of the minimal model, of healthy robots, of the extended model
     and, where the truth is known, of the true parameters. Writes gain.json, errors.parquet and
-    report.html. Gain in food: `python -m studies.transfer`.
+    report.html. The gain in food is measured by `realitygap study transfer`.
     """
     from studies.gain.measure import GainFailed, GainRequest, measure_gain
     from studies.gain.report import write_gain
@@ -59,6 +63,7 @@ def gain(
         extended=extended,
         effects=tuple(effect or ()),
         healthy=tuple(healthy or ()),
+        transfer=transfer,
         runs=runs,
         minutes=minutes,
         seed=seed,

@@ -21,6 +21,7 @@ from models.modelfile import ModelFile, find_model_file, read_model_file
 from models.tables import load_tables
 from reality.effects import Hidden, parse_effects
 from studies.execution import Workers, completed
+from studies.gain.food import read_transfer
 from studies.gain.runs import (
     BEFORE,
     EXTENDED,
@@ -54,6 +55,7 @@ class GainRequest:
     extended: str
     effects: tuple[str, ...] = ()
     healthy: tuple[Path, ...] = ()
+    transfer: Path | None = None
     runs: int = 6
     minutes: float = 2.0
     seed: int = 0
@@ -66,6 +68,7 @@ class GainRequest:
         words += [f"--extended {self.extended}"]
         words += [f"--effect {one}" for one in self.effects]
         words += [f"--healthy {path}" for path in self.healthy]
+        words += [f"--transfer {self.transfer}"] if self.transfer else []
         if self.effects:
             words += [f"--runs {self.runs} --minutes {self.minutes:g} --seed {self.seed}"]
         return " ".join(words)
@@ -115,6 +118,7 @@ def measure_gain(request: GainRequest, reach: Callable[[float], None] = lambda d
         GainFailed: a run could not be recorded.
     """
     models = _read(request.extended)
+    food = None if request.transfer is None else read_transfer(request.transfer)
     held, naming = _apart(request.logs, models.file)
     if request.effects:
         robots = _robots(request.logs)
@@ -147,6 +151,7 @@ def measure_gain(request: GainRequest, reach: Callable[[float], None] = lambda d
         "healthy": "twins" if request.effects else _healthy_source(table, request.healthy),
         "errors": weigh(table, seed=request.seed),
         "by_run": _by_run(table),
+        "transfer": food,
         "command": request.command,
         "versions": versions(),
     }

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from models.log import write_table
 from models.replay import HORIZONS
+from studies.gain.food import food_lines, food_table
 from studies.gain.measure import Gain
 from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
 from studies.gain.words import LABELS, SHOWN, number, percent, summary
@@ -43,6 +44,7 @@ def write_gain(gain: Gain, out: Path) -> list[str]:
         sections = [
             _pictures(gain, Path(room)),
             _numbers(gain.content),
+            *_food(gain.content),
             _runs(gain.content),
             _named(gain.content),
         ]
@@ -81,6 +83,15 @@ def _numbers(content: Mapping[str, Any]) -> Section:
         "only where the minimal model's error is surely larger than it is for healthy robots."
     )
     return Section("Every channel", [text], tables=[Table.of(pd.DataFrame(rows))])
+
+
+def _food(content: Mapping[str, Any]) -> list[Section]:
+    """The gain in food, where a study of it was given."""
+    if content["transfer"] is None:
+        return []
+    table, lines = food_table(content["transfer"]), food_lines(content["transfer"])
+    reasons = [f"{one['label']}: {one['reason']}" for one in content["transfer"]["alterations"]]
+    return [Section("What it is worth in food", [*lines, *reasons], tables=[Table.of(table)])]
 
 
 def _runs(content: Mapping[str, Any]) -> Section:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from studies.gain.food import food_lines
 from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
 
 SHOWN = {"m": (1e3, "mm"), "rad": (1e3, "mrad"), "counts": (1.0, "counts"), "share": (100.0, "%")}
@@ -84,4 +85,6 @@ def summary(content: Mapping[str, Any]) -> list[str]:
         lines.append(f"What remains, most of it in {worst['channel']}{ahead}: {beyond} too much.")
     if not content["oracle"]:
         lines.append(NO_ORACLE)
+    if content["transfer"] is not None:
+        lines += food_lines(content["transfer"])
     return lines

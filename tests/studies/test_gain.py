@@ -18,6 +18,7 @@ from models.prediction import prediction_errors
 from reality.effects import parse_effects
 from studies.diagnosis_files import write_extended
 from studies.gain.catalogue import groups
+from studies.gain.food import food_lines, food_table, read_transfer
 from studies.gain.measure import GainRequest, measure_gain
 from studies.gain.report import write_gain
 from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE, plan
@@ -216,6 +217,19 @@ def test_every_effect_of_the_catalogue_is_hidden_once_at_the_size_asked_for() ->
     assert len(own) == len(set(own)) == 3
     lag = next(one for one in planned[0].hidden if one.name == "motor_lag")
     assert lag.size == pytest.approx(0.05)
+
+
+def test_the_gain_in_food_is_taken_from_a_finished_study(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="study transfer"):
+        read_transfer(tmp_path)
+    found = {"metric": "food", "first": "extended", "second": "minimal", "verdict": "more"}
+    found |= {"mean_first": 30.0, "mean_second": 20.0, "difference": 10.0, "low": 5.0, "high": 15.0}
+    alteration = {"label": "a window", "reason": "it pays", "comparisons": [found]}
+    content = {"schema": 1, "configuration": {}, "alterations": [alteration]}
+    (tmp_path / "transfer.json").write_text(json.dumps(content))
+    food = read_transfer(tmp_path)
+    assert food_table(food)["difference"].tolist() == [10.0]
+    assert "1 more, 0 not shown, 0 less" in food_lines(food)[0]
 
 
 @pytest.mark.slow
