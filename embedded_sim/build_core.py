@@ -34,7 +34,7 @@ ffibuilder.cdef(declarations())
 ffibuilder.set_source(
     "embedded_sim._core",
     '#include "realitygap_core.h"',
-    sources=[f"embedded_sim/core/{name}.c" for name in ("batch", "controller", "forage", "replay")],
+    sources=[f"embedded_sim/core/{path.name}" for path in sorted(CORE.glob("*.c"))],
     include_dirs=["embedded_sim/core"],
     depends=[f"embedded_sim/core/{path.name}" for path in sorted(CORE.glob("*.h"))],
     extra_compile_args=COMPILE + (DEVELOPMENT if os.environ.get("REALITYGAP_DEVELOPMENT") else []),

@@ -6,7 +6,7 @@ Python crosses into C once per batch. Arrays are C-contiguous float64 unless sai
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,17 @@ from embedded_sim.model import CONTROL_STEP, SENSORS, Drive, FloatArray, PointMo
 
 TRIAL_SECONDS = 60.0
 """s a genome forages virtually (paper, III-E); T_max of eq. 1."""
+
+
+Form = Literal["best", "one_by_one", "avx2", "avx512"]
+"""How trials are computed: the best way there is, one by one, or sixteen side by side in SIMD lanes
+of an instruction set."""
+FORMS: tuple[Form, ...] = get_args(Form)
+
+
+def has_form(form: Form) -> bool:
+    """Whether this processor, and this build, can compute that way."""
+    return bool(lib.rg_has_form(FORMS.index(form)))
 
 
 class Evaluation(NamedTuple):
@@ -37,7 +48,7 @@ def evaluate(
     model: PointModel,
     behaviour: Behaviour | Sequence[Behaviour],
     seconds: float = TRIAL_SECONDS,
-    side_by_side: bool = True,
+    form: Form = "best",
 ) -> Evaluation:
     """Forage once per trial, one simulated robot alone in the arena (paper, III-E).
 
@@ -48,7 +59,7 @@ def evaluate(
         model: What the simulator believes.
         behaviour: The controller's constants, of all trials or (trials,).
         seconds: Length of a trial, T_max of eq. 1.
-        side_by_side: Sixteen trials at a time in SIMD lanes; False: one by one, with the same bits.
+        form: How it is computed; the bits are the same.
 
     Raises:
         ValueError: shapes disagree, a scenario is not 0, 1 or 2, or the model cannot be run.
@@ -65,7 +76,7 @@ def evaluate(
     result = Evaluation(np.empty(trials), np.empty(trials, dtype=np.int32))
     trial_set = ffi.new("rg_trials *")
     trial_set.steps, trial_set.trials = round(seconds / CONTROL_STEP), trials
-    trial_set.one_by_one = not side_by_side
+    trial_set.form = FORMS.index(form)
     trial_set.genomes = _pointer("double[]", genes)
     trial_set.scenarios = _pointer("int32_t[]", scenario)
     trial_set.seeds = _pointer("uint32_t[]", seed)
@@ -79,6 +90,8 @@ def evaluate(
         trial_set.behaviours = own
     at = ffi.new("int32_t[2]")
     status = lib.rg_evaluate(model.struct, shared.struct, trial_set, at)
+    if status == lib.RG_BAD_ARGUMENT and not has_form(form):
+        raise ValueError(f"form: got {form}, expected a form that this processor has")
     if status == lib.RG_BAD_ARGUMENT:
         most = (lib.RG_COMMAND_SLOTS - 2) * CONTROL_STEP
         raise ValueError(

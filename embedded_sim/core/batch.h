@@ -4,11 +4,22 @@
 
 #include "realitygap_core.h"
 
-enum { RG_GROUPS = 2, RG_TOGETHER = 16 }; /* groups of lanes, and trials, that run together */
+/* Trials that run together: groups of lanes, whose instructions overlap. */
+enum { RG_TOGETHER = 16 };
 
-/* Run trials of a set, named by their rows (one may stand twice), as rg_evaluate does, bit
- * for bit. False: some left the finite numbers; nothing was written. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define RG_X86 /* GCC can compile for more than it may assume, and ask the processor at run time   \
+                */
+#endif
+
+/* Run trials of a set, named by their rows (one may stand twice), as rg_evaluate does, bit for bit.
+ * False: some left the finite numbers, and nothing was written, or this processor has no lanes. */
 int rg_forage_lanes(const rg_model *m, const rg_behaviour *b, rg_trials *set,
                     const int32_t trials[RG_TOGETHER]);
+
+int rg_forage_avx512(const rg_model *m, const rg_behaviour *b, rg_trials *set,
+                     const int32_t trials[RG_TOGETHER]);
+int rg_forage_avx2(const rg_model *m, const rg_behaviour *b, rg_trials *set,
+                   const int32_t trials[RG_TOGETHER]);
 
 #endif

@@ -155,9 +155,9 @@ static int rg_side_by_side(const rg_model *m, const rg_behaviour *b, rg_trials *
 }
 
 int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, int32_t at[2]) {
-    if (!rg_can_run(m))
+    if (!rg_can_run(m) || !rg_has_form(set->form))
         return RG_BAD_ARGUMENT;
-    if (set->trials > 1 && !set->one_by_one && rg_side_by_side(m, b, set))
+    if (set->trials > 1 && set->form != RG_ONE_BY_ONE && rg_side_by_side(m, b, set))
         return RG_OK;
     /* also to say which trial left the finite numbers, and when */
     for (at[0] = 0; at[0] < set->trials; at[0]++) {

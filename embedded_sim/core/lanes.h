@@ -1,24 +1,28 @@
-/* Eight lanes of doubles, and the functions of small.h, trig.h and noise.h over them, operation by
- * operation the same, so that a lane has the bits of a double alone. The vectors are GCC's: each
- * instruction set gets as many registers of its own width as eight doubles need. */
+/* Lanes of doubles, a register of the instruction set compiled for, and the functions of small.h,
+ * trig.h and noise.h over them, operation by operation the same: a lane has the bits of a double
+ * alone. */
 #ifndef RG_LANES_H
 #define RG_LANES_H
 
+#include <immintrin.h>
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
 
+#include "batch.h"
 #include "small.h"
 #include "trig.h"
 
+#ifdef __AVX512DQ__
 enum { RG_LANES = 8 };
+#else
+enum { RG_LANES = 4 };
+#endif
+enum { RG_GROUPS = RG_TOGETHER / RG_LANES };
 
-typedef double rg_v __attribute__((vector_size(64)));   /* numbers */
-typedef int64_t rg_m __attribute__((vector_size(64)));  /* whole numbers; masks: 0 or -1 */
-typedef uint64_t rg_u __attribute__((vector_size(64))); /* bits */
-typedef int32_t rg_i __attribute__((vector_size(32)));  /* on the way between the two */
-typedef float rg_f __attribute__((vector_size(32)));
-typedef int8_t rg_bytes __attribute__((vector_size(8))); /* masks, a byte each */
+typedef double rg_v __attribute__((vector_size(8 * RG_LANES)));   /* numbers */
+typedef int64_t rg_m __attribute__((vector_size(8 * RG_LANES)));  /* whole numbers; masks: 0, -1 */
+typedef uint64_t rg_u __attribute__((vector_size(8 * RG_LANES))); /* bits */
 
 /* Inlined into each version of the caller: no vector is ever passed by call. */
 #define RG_INLINE static inline __attribute__((always_inline))
@@ -37,33 +41,55 @@ RG_INLINE rg_v rg_abs_v(rg_v x) { return (rg_v)((rg_m)x & INT64_MAX); }
 RG_INLINE rg_v rg_sign_v(rg_v size, rg_v sign) {
     return (rg_v)(((rg_m)size & INT64_MAX) | ((rg_m)sign & INT64_MIN));
 }
-RG_INLINE rg_v rg_sqrt_v(rg_v x) {
-    rg_v root;
-    for (int l = 0; l < RG_LANES; l++)
-        root[l] = __builtin_sqrt(x[l]);
-    return root;
+
+/* What GCC's vectors have no words for, or it compiles badly: square roots; a mask as bits; numbers
+ * without their fraction, and back (within 32 bits); products of 32 bits by 32; two neighbouring
+ * floats of a table as bits, and the first of such two as a number. */
+#ifdef __AVX512DQ__
+RG_INLINE rg_v rg_sqrt_v(rg_v x) { return (rg_v)_mm512_sqrt_pd((__m512d)x); }
+RG_INLINE uint64_t rg_which(rg_m mask) { return _mm512_movepi64_mask((__m512i)mask); }
+RG_INLINE rg_m rg_whole_v(rg_v x) { return (rg_m)_mm512_cvttpd_epi64((__m512d)x); }
+RG_INLINE rg_v rg_number_v(rg_m i) { return (rg_v)_mm512_cvtepi64_pd((__m512i)i); }
+RG_INLINE rg_u rg_times_v(rg_u x, uint32_t y) {
+    return (rg_u)_mm512_mul_epu32((__m512i)x, _mm512_set1_epi64(y));
 }
-/* A mask as bytes: lane l holds in bits 8 l to 8 l + 7. Zero: none. */
-RG_INLINE uint64_t rg_which(rg_m mask) {
-    const rg_bytes bytes = __builtin_convertvector(mask, rg_bytes);
-    uint64_t bits;
-    memcpy(&bits, &bytes, sizeof bits);
-    return bits;
+/* The zeros free the gather from waiting for what its register held before. */
+RG_INLINE rg_u rg_pairs_v(const float *table, rg_m index) {
+    return (rg_u)_mm512_mask_i64gather_epi64(_mm512_setzero_si512(), 255, (__m512i)index, table,
+                                             sizeof *table);
 }
+RG_INLINE rg_v rg_first_v(rg_u pairs) {
+    return (rg_v)_mm512_cvtps_pd(_mm256_castsi256_ps(_mm512_cvtepi64_epi32((__m512i)pairs)));
+}
+#else
+RG_INLINE rg_v rg_sqrt_v(rg_v x) { return (rg_v)_mm256_sqrt_pd((__m256d)x); }
+RG_INLINE uint64_t rg_which(rg_m mask) { return (uint64_t)_mm256_movemask_pd((__m256d)mask); }
+RG_INLINE rg_m rg_whole_v(rg_v x) {
+    return (rg_m)_mm256_cvtepi32_epi64(_mm256_cvttpd_epi32((__m256d)x));
+}
+/* the low half of each */
+RG_INLINE __m128i rg_low_v(rg_u x) {
+    const __m256i order = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
+    return _mm256_castsi256_si128(_mm256_permutevar8x32_epi32((__m256i)x, order));
+}
+RG_INLINE rg_v rg_number_v(rg_m i) { return (rg_v)_mm256_cvtepi32_pd(rg_low_v((rg_u)i)); }
+RG_INLINE rg_u rg_times_v(rg_u x, uint32_t y) {
+    return (rg_u)_mm256_mul_epu32((__m256i)x, _mm256_set1_epi64x(y));
+}
+RG_INLINE rg_u rg_pairs_v(const float *table, rg_m index) {
+    const __m256i all = _mm256_set1_epi64x(-1);
+    return (rg_u)_mm256_mask_i64gather_epi64(_mm256_setzero_si256(), (const long long *)table,
+                                             (__m256i)index, all, sizeof *table);
+}
+RG_INLINE rg_v rg_first_v(rg_u pairs) {
+    return (rg_v)_mm256_cvtps_pd(_mm_castsi128_ps(rg_low_v(pairs)));
+}
+#endif
+
 /* For each lane that `which` holds. */
 #define RG_EACH(l, which)                                                                          \
     for (uint64_t rest_ = (which), l = 0;                                                          \
-         rest_ != 0 && ((l = (uint64_t)__builtin_ctzll(rest_) / 8), 1);                            \
-         rest_ &= ~(UINT64_C(255) << (8 * l)))
-
-/* Numbers without their fraction, and back; within 32 bits, which every instruction set converts.
- */
-RG_INLINE rg_m rg_whole_v(rg_v x) {
-    return __builtin_convertvector(__builtin_convertvector(x, rg_i), rg_m);
-}
-RG_INLINE rg_v rg_number_v(rg_m i) {
-    return __builtin_convertvector(__builtin_convertvector(i, rg_i), rg_v);
-}
+         rest_ != 0 && ((l = (uint64_t)__builtin_ctzll(rest_)), 1); rest_ &= rest_ - 1)
 
 /* rg_node */
 RG_INLINE rg_m rg_node_v(rg_v u, int n, rg_v *weight) {
@@ -72,16 +98,6 @@ RG_INLINE rg_m rg_node_v(rg_v u, int n, rg_v *weight) {
     i = rg_pick_m(i > n - 2, (rg_m){0} + (n - 2), i);
     *weight = s - rg_number_v(i);
     return i;
-}
-
-/* Two neighbouring floats of a table as bits, and the first of such two as a number. */
-RG_INLINE uint64_t rg_pair(const float *table) {
-    uint64_t bits;
-    memcpy(&bits, table, sizeof bits);
-    return bits;
-}
-RG_INLINE rg_v rg_first(rg_u pairs) {
-    return __builtin_convertvector((rg_f) __builtin_convertvector(pairs, rg_i), rg_v);
 }
 
 /* rg_turn */
@@ -126,13 +142,13 @@ RG_INLINE rg_v rg_decay_v(rg_v x) {
     return rg_pick(x > 700.0, (rg_v){0}, power * (even + r * odd));
 }
 
-/* rg_noise of eight trials: noise[k] holds sensor k's. Trials are told apart by lane. */
+/* rg_noise of a group: noise[k] holds sensor k's. Trials are told apart by lane. */
 RG_INLINE void rg_noise_v(const rg_u seed[4], uint32_t step, uint32_t kind, rg_v noise[8]) {
     const rg_u low = (rg_u){0} + UINT32_MAX;
     rg_u a = (rg_u){0} + step, b = (rg_u){0} + kind, c = seed[2], d = seed[3];
     rg_u k0 = seed[0], k1 = seed[1];
     for (int round = 0; round < 7; round++) {
-        const rg_u first = a * 0xd2511f53u, second = c * 0xcd9e8d57u;
+        const rg_u first = rg_times_v(a, 0xd2511f53u), second = rg_times_v(c, 0xcd9e8d57u);
         a = (second >> 32) ^ b ^ k0;
         b = second & low;
         c = (first >> 32) ^ d ^ k1;

@@ -23,6 +23,10 @@ enum {
         64, /* commands on their way to the motors: at 40 ms, up to 2.5 s of latency */
 };
 
+/* How trials are computed: the best way there is, one by one, or side by side in SIMD lanes of an
+ * instruction set. */
+enum { RG_BEST = 0, RG_ONE_BY_ONE = 1, RG_AVX2 = 2, RG_AVX512 = 3 };
+
 enum { RG_OK = 0, RG_NOT_FINITE = 1, RG_BAD_ARGUMENT = 2 };
 
 /* How the two wheels answer a command, and where the wheels are. Null values in brackets make the
@@ -125,7 +129,7 @@ typedef struct {
 typedef struct {
     int32_t steps; /* of control_step each */
     int32_t trials;
-    int32_t one_by_one;             /* scalar, not in SIMD lanes: the same bits, slower */
+    int32_t form;                   /* RG_BEST, or how to compute: the bits are the same */
     const double *genomes;          /* (trials, 2): G0, G1 */
     const int32_t *scenarios;       /* (trials,) 0, 1, 2 */
     const uint32_t *seeds;          /* (trials, 4) */
@@ -151,7 +155,11 @@ void rg_control_swarm(const rg_behaviour *behaviours, int32_t robots, const uint
 /* Start one controller from four seed words; Food is false. */
 void rg_controller_start(rg_controller *c, const uint32_t seed[4]);
 
-/* Forage every trial of a set. RG_NOT_FINITE: at holds the trial that diverged, and its step. */
+/* Has this processor, and this build, the form? */
+int32_t rg_has_form(int32_t form);
+
+/* Forage every trial of a set. RG_BAD_ARGUMENT: the model cannot be run, or not in that form.
+ * RG_NOT_FINITE: at holds the trial that diverged, and its step. */
 int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, int32_t at[2]);
 
 /* Drive logged commands through the model, one chain of motors per run and robot.

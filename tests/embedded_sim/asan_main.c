@@ -94,9 +94,11 @@ static void evaluate(const rg_model *m, const rg_behaviour *b, int expected) {
         own[i].search_curvature = 0.1 * i;
     }
     rg_trials set = {STEPS, TRIALS, 0, genomes, scenarios, seeds, own, fitness, deposits};
-    for (int pass = 0; pass < 4; pass++) {
+    for (int pass = 0; pass < 8; pass++) {
         set.behaviours = pass & 1 ? own : NULL;
-        set.one_by_one = pass & 2;
+        set.form = pass / 2;
+        if (!rg_has_form(set.form))
+            continue;
         const int status = rg_evaluate(m, b, &set, at);
         if (status != expected)
             fail("evaluate", status);

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from embedded_sim import Behaviour, Diverged, Drive, PointModel, Senses, evaluate
+from embedded_sim.simulator import FORMS, has_form
 from models import load_model
 
 BASE = load_model()
@@ -79,7 +80,7 @@ behaviours = st.builds(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(
     model=models,
     own=st.one_of(st.just(Behaviour()), st.lists(behaviours, min_size=1, max_size=5)),
@@ -98,10 +99,11 @@ def test_a_lane_has_the_bits_of_a_trial_alone(
         "behaviour": own if isinstance(own, Behaviour) else (own * trials)[:trials],
         "seconds": 12.0,
     }
-    together = evaluate(**arguments)
-    alone = evaluate(**arguments, side_by_side=False)
-    assert together.fitness.tobytes() == alone.fitness.tobytes()
-    assert together.deposits.tobytes() == alone.deposits.tobytes()
+    alone = evaluate(**arguments, form="one_by_one")
+    for form in filter(has_form, FORMS):
+        together = evaluate(**arguments, form=form)
+        assert together.fitness.tobytes() == alone.fitness.tobytes()
+        assert together.deposits.tobytes() == alone.deposits.tobytes()
 
 
 def test_lanes_tell_trials_apart_over_whole_trials() -> None:
@@ -117,12 +119,12 @@ def test_lanes_tell_trials_apart_over_whole_trials() -> None:
             seeds,
             model=BASE,
             behaviour=Behaviour(),
-            side_by_side=side_by_side,
+            form=form,
         )
-        for side_by_side in (True, False)
+        for form in filter(has_form, FORMS)
     ]
     assert results[0].deposits.sum() > 100
-    assert results[0].fitness.tobytes() == results[1].fitness.tobytes()
+    assert len({result.fitness.tobytes() for result in results}) == 1
 
 
 def test_a_trial_that_diverges_among_others_is_named() -> None:
