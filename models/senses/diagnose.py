@@ -137,6 +137,13 @@ def _missing(log: MeasuredLog, model: PointModel, reference: SenseReference | No
                 c.name for c in sense_causes().values() if c.columns[0].startswith(kinds[columns])
             ]
             said.append(f"no {columns}: {', '.join(silent)}")
+    if all(absent.values()):
+        said.append(
+            "no ps0..ps7 and no ls0..ls7: a late tracker and late commands (clock_offset, "
+            "command_latency) are told apart by encoders alone, a rotated marker "
+            "(tracker_yaw_offset) by motion alone, and a turned ring of sensors (ir_rotation) "
+            "is not seen"
+        )
     if not absent["ls0..ls7"] and not (scenarios(log) >= 0).any():
         said.append(
             "no case, or one that switches: where the lamp stood is not known, so that no "

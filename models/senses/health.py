@@ -11,6 +11,7 @@ from embedded_sim import PointModel
 from embedded_sim.model import FloatArray
 from models.senses.cause import Belief
 from models.senses.causes import sense_causes
+from models.senses.clock import shifts
 from models.senses.direct import noise_scale, of_robots
 from models.senses.glance import promises
 from models.senses.predicted import predict
@@ -44,6 +45,9 @@ class Healthy(NamedTuple):
     targets: float
     targets_error: float
     silent: float
+    clock: FloatArray
+    """(robots,) s, NaN where the readings do not tell."""
+    clock_error: FloatArray
     structure: Sizes
     """Of every flexible term."""
 
@@ -74,6 +78,7 @@ def healthy_log(sight: Sight, model: PointModel, base: Belief) -> Healthy:
     counts = predict(sight, model, beliefs)
     scale = noise_scale(sight, kept.residual, counts, sight.free)
     targets, error = of_robots(sight, model, counts, np.isfinite(sight.read))
+    shift = shifts(problem)
     zeros = [
         float(np.nanmean(sight.read[sight.rows_of(k), s] == 0.0))
         for k in range(len(sight.robots))
@@ -88,6 +93,8 @@ def healthy_log(sight: Sight, model: PointModel, base: Belief) -> Healthy:
         targets=targets,
         targets_error=error,
         silent=max(zeros, default=1.0),
+        clock=shift.seconds,
+        clock_error=shift.error,
         structure={
             f.key: np.stack([f.size, f.error], axis=1) for f in Structure(problem, kept).follows
         },
@@ -120,6 +127,7 @@ def make_sense_reference(
     noise_error = np.concatenate([log.noise_error for log in logs])
     swarm = np.array([np.nanmedian(log.noise) if len(log.noise) else np.nan for log in logs])
     targets = np.array([log.targets for log in logs])
+    clock = np.concatenate([log.clock for log in logs])
     structure, joint = of_healthy([log.structure for log in logs])
     return SenseReference(
         model=model,
@@ -129,6 +137,7 @@ def make_sense_reference(
         terms=terms,
         noise=_level(noise, noise_error, swarm),
         targets=_level(targets, np.array([log.targets_error for log in logs]), targets),
+        clock=_level(clock, np.concatenate([log.clock_error for log in logs]), np.zeros(0)),
         structure=structure,
         joint=joint,
         silent=max((log.silent for log in logs), default=1.0),

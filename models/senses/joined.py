@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from embedded_sim import SENSORS, Tables
+from embedded_sim import SENSORS, PointModel, Tables
 from embedded_sim.model import FloatArray
 from models.causes import Motion
-from models.diagnosis import Gain
+from models.diagnosis import Gain, Unexplained
 from models.identify.diagnose import Examination
+from models.identify.swarm import Named
 from models.log import MeasuredLog
+from models.schema import LS, PS
 from models.senses.cause import Belief
+from models.senses.clock import TWINS, shifts, swapped, told_apart
 from models.senses.diagnose import SenseExamination, diagnose_senses
 from models.senses.predicted import predict
-from models.senses.reference import SenseReference
-from models.senses.sight import Bools, Rows
+from models.senses.problem import Problem
+from models.senses.reference import SenseReference, no_sense_reference
+from models.senses.sight import Bools, Rows, look
 
 MARKERS = ("tracker_yaw_offset", "tracker_offset", "clock_offset")
 """Causes in motion that put the measured pose beside the true one."""
@@ -49,14 +54,15 @@ def with_senses(
         reference: What healthy robots' senses do; None: nobody knows.
         seed: Of the bootstrap.
     """
-    model, found = examined.model, examined.diagnosis
+    model = examined.model
     robots = examined.tracks.robots
     believed = {}
     if model.extension is not None:
         believed = {r: Belief(senses=model.extension.sensed(r).senses) for r in robots}
-    senses = diagnose_senses(
-        log, model.point_model(tables), reference, believed=believed, seen=_askew(examined)
-    )
+    point = model.point_model(tables)
+    examined = _clocks_told_apart(examined, log, point, reference, believed)
+    found = examined.diagnosis
+    senses = diagnose_senses(log, point, reference, believed=believed, seen=_askew(examined))
     joined = replace(
         found,
         named=(*found.named, *senses.named),
@@ -66,6 +72,47 @@ def with_senses(
     )
     kept = {one.name: getattr(examined, one.name) for one in fields(examined)}
     return WholeExamination(**{**kept, "diagnosis": joined}, senses=senses)
+
+
+def _clocks_told_apart(
+    examined: Examination,
+    log: MeasuredLog,
+    model: PointModel,
+    reference: SenseReference | None,
+    believed: Mapping[int, Belief],
+) -> Examination:
+    """The same, with the sensors' word on whether a robot or its tracker is late."""
+    identified, found = examined.identified, examined.diagnosis
+    seen = model.tables is not None and any(name in log.frame for name in (*PS, *LS))
+    if not seen:
+        return examined
+    healthy = no_sense_reference("") if reference is None else reference
+    names = [one.term.cause.name for one in identified.named]
+    explained = dict(zip(examined.tracks.robots, identified.explained, strict=True))
+    told: list[Named | Unexplained] = list(identified.named)
+    if set(names) & set(TWINS):
+        sight = look(log, model)
+        common = Belief(senses=model.senses)
+        base = [healthy.base(believed.get(robot, common)) for robot in sight.robots]
+        shift = shifts(Problem(sight, model, base, sight.free))
+        told = [told_apart(o, sight.robots, shift, healthy.clock) for o in identified.named]
+        for old, new in zip(identified.named, told, strict=True):
+            if isinstance(new, Named):
+                swap = {robot: swapped(explained[robot], old, new) for robot in new.robots}
+                explained.update(swap)
+    kept = tuple(one for one in told if isinstance(one, Named))
+    left = tuple(one for one in told if isinstance(one, Unexplained))
+    both = " and ".join(sorted(TWINS))
+    return replace(
+        examined,
+        identified=replace(identified, named=kept, explained=tuple(explained.values())),
+        diagnosis=replace(
+            found,
+            named=kept,
+            unexplained=(*found.unexplained, *left),
+            not_checked=tuple(text for text in found.not_checked if both not in text),
+        ),
+    )
 
 
 def _askew(examined: Examination) -> dict[int, tuple[Motion, Motion]]:

@@ -81,6 +81,8 @@ class SenseReference(_Strict):
     """Logarithm of the infrared errors' scale over the tables' noise."""
     targets: Level = Level()
     """Logarithm of what infrared reads of other robots over what it would of a wall there."""
+    clock: Level = Level()
+    """s by which healthy robots' poses are late against their readings."""
     structure: dict[str, Structure] = {}
     """What healthy robots get for every flexible term (`models.senses.structure`)."""
     joint: float = 1.0

@@ -36,7 +36,9 @@ REFERENCE = no_sense_reference("e-puck").model_copy(update={"inherent": {"ir_off
 HEALTHY = Belief()
 
 
-def table(beliefs: dict[int, Belief], *, everybody: Belief = HEALTHY) -> pd.DataFrame:
+def table(
+    beliefs: dict[int, Belief], *, everybody: Belief = HEALTHY, swing: float = 0.15
+) -> pd.DataFrame:
     """Robots on loops past wall, lamp and nest whose sensors are as believed, with noise."""
     tables = MODEL.tables
     assert tables is not None
@@ -44,7 +46,7 @@ def table(beliefs: dict[int, Belief], *, everybody: Belief = HEALTHY) -> pd.Data
     t = np.arange(0.0, SECONDS, STEP)
     frames = []
     for robot, (x, y) in enumerate(CENTRES.tolist()):
-        turn = 0.25 + 0.15 * np.sin(0.31 * t + robot)
+        turn = 0.25 + swing * np.sin(0.31 * t + robot)
         commands = np.column_stack([4.5 - turn, 4.5 + turn])
         start = np.array([[x + 0.27, y, np.pi / 2]])
         poses = replay(t, commands, [0, len(t)], start, drive=MODEL.drive).poses
