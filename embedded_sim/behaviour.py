@@ -26,8 +26,8 @@ class Behaviour:
     """s: a robot that does not commit to its turn jams among others."""
     avoid_memory: float = 0.5
     """s after a turn in which the next one goes the same way."""
-    search_curvature: float = 0.8
-    """The tightest search turn leaves the inner wheel a fifth of the outer's speed."""
+    search_curvature: float = 1.0
+    """In the tightest search turn the inner wheel stands still: slow commands show dead zones."""
     search_duration: tuple[float, float] = (0.4, 2.0)
     """s of one curvature."""
     light_contrast: float = 40.0

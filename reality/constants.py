@@ -37,23 +37,28 @@ WHEEL_RADIUS = 0.0205
 """m; argos3-epuck."""
 AXLE = 0.053
 """m; gctronic driver, argos3-epuck."""
-CENTRE_OF_MASS = (0.004, 0.0, 0.010)
-"""m from the axle's middle on the floor: low, just ahead of the axle, as the battery sits.
-Higher or further back tips the robot when it brakes."""
-SKIDS = (0.030, -0.030)
-"""m ahead of the axle: frictionless front skid, and one behind that only catches tipping."""
+WHEEL_INERTIA = 1e-5
+"""kg m^2 about a wheel's axis: hardly the wheel's own, but that of its motor's rotor (some
+4e-9 kg m^2, our estimate for so small a stepper) seen through the e-puck's 50:1 gear. With the bare
+wheel's 1.3e-6 motor and tyre would fight each other in the solver, which then needs four times the
+iterations."""
+CENTRE_OF_MASS = (0.008, 0.0, 0.010)
+"""m from the axle's middle on the floor: low and ahead of the axle, as the battery sits.
+Higher or further back tips the robot when it brakes or starts."""
+SKID = 0.030
+"""m ahead of the axle: where a frictionless skid carries a quarter of the weight."""
 SKID_RADIUS = 0.004
 """m; our choice."""
 SKID_CLEARANCE = 1e-4
-"""m between skids and a level floor: at zero both share the weight and deform circles."""
+"""m between the skid and the floor while the body is level; our choice."""
 WHEEL_SPEED_MAX = 2.0 * math.pi
 """rad/s: 1000 steps/s at 1000 steps per revolution."""
 WHEEL_STEP = 2.0 * math.pi / 1000.0
 """rad the encoders resolve: 1000 steps per revolution (e-puck's steppers)."""
 
 # Motors and friction
-MOTOR_TORQUE = 0.006
-"""N m per wheel; our choice: 3.9 m/s^2, so that a full stop does not skid. A fresh command reaches
+MOTOR_TORQUE = 0.0076
+"""N m per wheel; our choice: 3.8 m/s^2, so that a full stop does not skid. A fresh command reaches
 two thirds of its displacement in the first 40 ms."""
 WHEEL_FRICTION = 1.2
 """Rubber tyre on the floor (floor friction 1); our choice: full reversals do not skid."""
@@ -65,7 +70,7 @@ BODY_FRICTION = 0.3
 # Physics: see docs/convergence.md for the study behind these
 PHYSICS_STEP = 0.010
 """s."""
-SOLVER_ITERATIONS = 20
+SOLVER_ITERATIONS = 14
 CONTACT_THRESHOLD = 3e-5
 """m; the engine's default of 2 cm keeps stale contacts under rolling wheels."""
 CONTROL_STEP = 0.04

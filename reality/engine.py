@@ -42,6 +42,9 @@ FloatArray = npt.NDArray[np.float64]
 # A ray's own group is always 1, which whatever it may hit must have in its mask.
 _RAY, _FLOOR, _WALL, _BODY, _WHEEL = 1, 2, 4, 8, 16
 _LEFT, _RIGHT = 0, 1
+_FACET = 2.0 * math.pi / k.WALL_FACETS
+_RING_NORMALS = [(-math.cos(i * _FACET), -math.sin(i * _FACET)) for i in range(k.WALL_FACETS)]
+_PARTS = 15  # of one body: the engine refuses more than 16
 _BASE = -1
 
 
@@ -65,6 +68,7 @@ class Engine:
         self._client: int = bullet.connect(bullet.DIRECT)
         self._bodies: list[int] = []
         self._faces: dict[int, tuple[float, float]] = {}  # inward normal of each wall, by body
+        self._ring: set[int] = set()  # bodies of a ring around the origin
         bullet.setPhysicsEngineParameter(
             fixedTimeStep=step,
             numSolverIterations=iterations,
@@ -103,11 +107,39 @@ class Engine:
         self._dynamics(wall, _BASE, lateralFriction=1.0)
 
     def add_ring(self, radius: float = k.ARENA_RADIUS) -> None:
-        """The arena's circular wall, as facets."""
+        """The arena's circular wall: facets, in as few bodies as the engine takes.
+
+        The engine visits every body at every step, the parts of a body only where something is
+        near.
+        """
+        half = 0.5 * k.WALL_THICKNESS
         length = 2.0 * (radius + k.WALL_THICKNESS) * math.tan(math.pi / k.WALL_FACETS)
-        for i in range(k.WALL_FACETS):
-            yaw = 2.0 * math.pi * i / k.WALL_FACETS
-            self.add_wall(radius * math.cos(yaw), radius * math.sin(yaw), yaw, length)
+        facet = [half, 0.5 * length, 0.5 * k.WALL_HEIGHT]
+        for first in range(0, k.WALL_FACETS, _PARTS):
+            yaws = [
+                2.0 * math.pi * i / k.WALL_FACETS
+                for i in range(first, min(first + _PARTS, k.WALL_FACETS))
+            ]
+            arc = bullet.createCollisionShapeArray(
+                shapeTypes=[bullet.GEOM_BOX] * len(yaws),
+                halfExtents=[facet] * len(yaws),
+                collisionFramePositions=[
+                    [
+                        (radius + half) * math.cos(yaw),
+                        (radius + half) * math.sin(yaw),
+                        0.5 * k.WALL_HEIGHT,
+                    ]
+                    for yaw in yaws
+                ],
+                collisionFrameOrientations=[
+                    bullet.getQuaternionFromEuler([0.0, 0.0, yaw]) for yaw in yaws
+                ],
+                physicsClientId=self._client,
+            )
+            wall = self._body(0.0, arc)
+            self._collide(wall, _BASE, _WALL, _BODY | _RAY)
+            self._ring.add(wall)
+            self._dynamics(wall, _BASE, lateralFriction=1.0)
 
     def add_epuck(
         self,
@@ -128,12 +160,13 @@ class Engine:
         )
         wheels = [self._shape(bullet.GEOM_SPHERE, radius=radius) for radius in wheel_radius]
         skid = self._shape(bullet.GEOM_SPHERE, radius=k.SKID_RADIUS)
-        links = 2 + len(k.SKIDS)
+        links = 3
         places = [
             [0.0, 0.5 * axle, wheel_radius[_LEFT] - lift],
             [0.0, -0.5 * axle, wheel_radius[_RIGHT] - lift],
-        ] + [[x, 0.0, k.SKID_RADIUS + k.SKID_CLEARANCE - lift] for x in k.SKIDS]
-        masses = [k.WHEEL_MASS] * 2 + [k.SKID_MASS] * len(k.SKIDS)
+            [k.SKID, 0.0, k.SKID_RADIUS + k.SKID_CLEARANCE - lift],
+        ]
+        masses = [k.WHEEL_MASS, k.WHEEL_MASS, k.SKID_MASS]
         com = k.CENTRE_OF_MASS
         robot = self._body(
             k.MASS - sum(masses),
@@ -142,22 +175,25 @@ class Engine:
             baseOrientation=bullet.getQuaternionFromEuler([0.0, 0.0, pose[2]]),
             baseInertialFramePosition=[com[0], com[1], com[2] - lift],
             linkMasses=masses,
-            linkCollisionShapeIndices=[*wheels, *[skid] * len(k.SKIDS)],
+            linkCollisionShapeIndices=[*wheels, skid],
             linkVisualShapeIndices=[-1] * links,
             linkPositions=places,
             linkOrientations=[[0.0, 0.0, 0.0, 1.0]] * links,
             linkInertialFramePositions=[[0.0, 0.0, 0.0]] * links,
             linkInertialFrameOrientations=[[0.0, 0.0, 0.0, 1.0]] * links,
             linkParentIndices=[0] * links,
-            linkJointTypes=[bullet.JOINT_REVOLUTE] * 2 + [bullet.JOINT_FIXED] * len(k.SKIDS),
+            linkJointTypes=[bullet.JOINT_REVOLUTE, bullet.JOINT_REVOLUTE, bullet.JOINT_FIXED],
             linkJointAxis=[[0.0, 1.0, 0.0]] * links,
         )
         self._collide(robot, _BASE, _BODY, _WALL | _BODY | _RAY)
         self._dynamics(robot, _BASE, lateralFriction=k.BODY_FRICTION)
         for link in range(links):
             self._collide(robot, link, _WHEEL, _FLOOR)
-            friction = wheel_friction if link < 2 else 0.0
+            friction = wheel_friction if link in (_LEFT, _RIGHT) else 0.0
             self._dynamics(robot, link, lateralFriction=friction)
+        for link in (_LEFT, _RIGHT):
+            bare = 0.4 * k.WHEEL_MASS * wheel_radius[link] ** 2  # of a sphere
+            self._dynamics(robot, link, localInertiaDiagonal=[bare, k.WHEEL_INERTIA, bare])
         for link in range(-1, links):
             self._dynamics(robot, link, linearDamping=0.0)
             self._dynamics(robot, link, angularDamping=0.0)
@@ -226,9 +262,13 @@ class Engine:
         hits: Any = bullet.rayTestBatch(
             start, end, collisionFilterMask=_WALL | _BODY, physicsClientId=self._client
         )
-        for i, (body, _link, share, _place, normal) in enumerate(hits):
+        for i, (body, _link, share, place, normal) in enumerate(hits):
             fraction[i] = share if body >= 0 else 1.0
-            normals[i] = self._faces.get(body) or normal[:2]
+            if body in self._ring:
+                facet = round(math.atan2(place[1], place[0]) / _FACET)
+                normals[i] = _RING_NORMALS[facet % k.WALL_FACETS]
+            else:
+                normals[i] = self._faces.get(body) or normal[:2]
         if on_robot is not None:
             on_robot[: len(hits)] = [hit[0] in self._bodies for hit in hits]
 
@@ -243,6 +283,6 @@ class Engine:
     def _collide(self, body: int, link: int, group: int, mask: int) -> None:
         bullet.setCollisionFilterGroupMask(body, link, group, mask, self._client)
 
-    def _dynamics(self, body: int, link: int, **value: float) -> None:
+    def _dynamics(self, body: int, link: int, **value: Any) -> None:
         """One property a call: several at once land on the base."""
         bullet.changeDynamics(body, link, physicsClientId=self._client, **value)

@@ -1,7 +1,8 @@
-"""Is the physics converged? The same 60 s of commands at finer steps and more solver iterations.
+"""Is the physics converged? The same commands at finer steps and more solver iterations.
 
 `python -m studies.convergence [OUT.md]` drives twelve robots, far apart and without walls, through
-the same commands at twelve headings, and compares every setting with the finest one.
+the same 60 s of commands at twelve headings, then through five manoeuvres of a figure each, and
+compares every setting with the finest one.
 """
 
 from __future__ import annotations
@@ -39,12 +40,27 @@ CHOSEN = Setting(k.PHYSICS_STEP, k.SOLVER_ITERATIONS)
 FINEST = Setting(0.00125, 200)
 SETTINGS = (
     CHOSEN,
-    Setting(0.010, 200),
-    Setting(0.005, 20),
-    Setting(0.005, 200),
-    Setting(0.0025, 200),
+    Setting(CHOSEN.step / 2, CHOSEN.iterations),
+    Setting(CHOSEN.step, 10 * CHOSEN.iterations),
+    Setting(CHOSEN.step / 2, 10 * CHOSEN.iterations),
     FINEST,
+    Setting(CHOSEN.step, 4),
+    Setting(2 * CHOSEN.step, 5),
 )
+"""The last two are fast and wrong."""
+
+FULL = 6.0
+"""rad/s."""
+TOLERANCES = {
+    "straight": 1.2e-3,
+    "arc": 15e-3,
+    "spin": 31e-3,
+    "stop": 0.5e-3,
+    "push": 6e-3,
+}
+"""m, rad: how far each manoeuvre's figure may be from the finest setting's. Our choice: half a per
+cent of what lasts, what the tracker's noise is (0.5 mm) of a stop, a twentieth of a push, which is
+rare."""
 
 
 def search_commands(seconds: float, random: np.random.Generator) -> list[tuple[int, float, float]]:
@@ -116,13 +132,70 @@ def second_by_second(path: FloatArray, other: FloatArray) -> tuple[float, float]
     )
 
 
-def study() -> str:
-    """The table, as Markdown."""
+def manoeuvres(setting: Setting) -> dict[str, float]:
+    """One figure per manoeuvre of `TOLERANCES`, all after the start-up.
+
+    straight: m driven in 2 s at full speed; arc: rad turned in 2 s at 2 and 6 rad/s; spin: rad
+    turned in 2 s at -4 and 4 rad/s; stop: m rolled after full speed; push: m by which a robot whose
+    motors hold with a fifth of their torque is pushed along in 2 s. Means over headings.
+    """
+    straight = drive([(10, FULL, FULL), (50, FULL, FULL)], setting)
+    arc = drive([(10, 2.0, FULL), (50, 2.0, FULL)], setting)
+    spin = drive([(10, -4.0, 4.0), (50, -4.0, 4.0)], setting)
+    stop = drive([(25, FULL, FULL), (25, 0.0, 0.0)], setting)
+    return {
+        "straight": float((straight[:, -1, 0] - straight[:, 10, 0]).mean()),
+        "arc": float((arc[:, -1, 2] - arc[:, 10, 2]).mean()),
+        "spin": float((spin[:, -1, 2] - spin[:, 10, 2]).mean()),
+        "stop": float((stop[:, -1, 0] - stop[:, 25, 0]).mean()),
+        "push": _pushed(setting),
+    }
+
+
+def _pushed(setting: Setting) -> float:
+    """m that a robot is pushed along by another within 2 s of contact; mean over headings."""
+    engine = Engine(step=setting.step, iterations=setting.iterations)
+    gap = 2.0 * k.BODY_RADIUS + 0.001
+    try:
+        for i in range(HEADINGS):
+            yaw = 2.0 * np.pi * i / HEADINGS
+            ahead = gap * np.array([np.cos(yaw), np.sin(yaw)])
+            engine.add_epuck([SPACING * i, 0.0, yaw])
+            engine.add_epuck([SPACING * i + ahead[0], ahead[1], yaw])
+            engine.drive(2 * i, 0.5 * FULL, 0.5 * FULL, k.MOTOR_TORQUE)
+            engine.drive(2 * i + 1, 0.0, 0.0, 0.2 * k.MOTOR_TORQUE)
+        before = _poses(engine, 2 * HEADINGS)[1::2, :2]
+        engine.advance(round(2.0 / setting.step))
+        after = _poses(engine, 2 * HEADINGS)[1::2, :2]
+    finally:
+        engine.close()
+    return float(np.hypot(*(after - before).T).mean())
+
+
+def misses(setting: Setting, finest: dict[str, float]) -> dict[str, float]:
+    """m, rad: how far each manoeuvre's figure is from the finest setting's."""
+    found = manoeuvres(setting)
+    return {name: found[name] - finest[name] for name in TOLERANCES}
+
+
+def converged(off: dict[str, float]) -> bool:
+    """Whether every manoeuvre is within its tolerance."""
+    return all(abs(off[name]) <= tolerance for name, tolerance in TOLERANCES.items())
+
+
+def name_of(setting: Setting) -> str:
+    """The first two cells of a row."""
+    return f"| {1e3 * setting.step:g} | {setting.iterations} "
+
+
+def minute() -> str:
+    """The table of the 60 s drive, as Markdown."""
     commands = search_commands(SECONDS, np.random.default_rng(SEED))
     finest = drive(commands, FINEST)
     length = np.hypot(*np.diff(finest[0, :, :2], axis=0).T).sum()
     lines = [
-        "| step (ms) | iterations | after 60 s: position (mm) | heading (rad) "
+        f"Path length {length:.2f} m in {SECONDS:.0f} s.\n",
+        "| step (ms) | iterations | after 60 s: position (mm) | heading (mrad) "
         "| per second: position (mm) | heading (mrad) | headings' spread per second (mm, mrad) |",
         "|---|---|---|---|---|---|---|",
     ]
@@ -134,12 +207,33 @@ def study() -> str:
         second = second_by_second(path, finest)
         spread = second_by_second(path, np.broadcast_to(path.mean(axis=0), path.shape))
         lines.append(
-            f"| {1e3 * setting.step:g} | {setting.iterations} "
-            f"| {1e3 * position:.1f} | {heading:.4f} "
+            f"{name_of(setting)}| {1e3 * position:.1f} | {1e3 * heading:.1f} "
             f"| {1e3 * second[0]:.2f} | {1e3 * second[1]:.2f} "
             f"| {1e3 * spread[0]:.2f}, {1e3 * spread[1]:.2f} |"
         )
-    return f"Path length {length:.2f} m in {SECONDS:.0f} s.\n\n" + "\n".join(lines) + "\n"
+    return "\n".join(lines)
+
+
+def figure_by_figure() -> str:
+    """The table of the manoeuvres, as Markdown."""
+    finest = manoeuvres(FINEST)
+    units = {"straight": "mm", "arc": "mrad", "spin": "mrad", "stop": "mm", "push": "mm"}
+    heads = [f"{name} ({1e3 * finest[name]:.1f} {units[name]})" for name in TOLERANCES]
+    lines = [
+        f"| step (ms) | iterations | {' | '.join(heads)} | within tolerance |",
+        "|---" * (3 + len(heads)) + "|",
+        f"| | tolerance | {' | '.join(f'{1e3 * most:g}' for most in TOLERANCES.values())} | |",
+    ]
+    for setting in SETTINGS:
+        off = misses(setting, finest)
+        cells = " | ".join(f"{1e3 * each:+.2f}" for each in off.values())
+        lines.append(f"{name_of(setting)}| {cells} | {'yes' if converged(off) else 'no'} |")
+    return "\n".join(lines)
+
+
+def study() -> str:
+    """Both tables, as Markdown."""
+    return f"{minute()}\n\n{figure_by_figure()}\n"
 
 
 if __name__ == "__main__":

@@ -12,10 +12,10 @@ from models.causes.motion import Motion
 
 FRICTION = 1.2
 """Of an e-puck's rubber tyre on the floor. Our choice."""
-TRACTION = 310.0
-"""rad/s^2 of 20.5 mm wheels per unit of friction, measured at 0.1 to 0.3 on the nominal robot:
-three quarters of g times the wheels' share of the weight (0.87, the centre of mass being 4 mm ahead
-of the axle and the skid 30 mm) over the radius, because wheels that slip also slide sideways."""
+TRACTION = 260.0
+"""rad/s^2 of 20.5 mm wheels per unit of friction: three quarters of g times the wheels' share of
+the weight (0.73, the centre of mass being 8 mm ahead of the axle and the skid 30 mm) over the
+radius, because wheels that slip also slide sideways."""
 STARTS = (-1.2, -2.0)
 """Coordinates to start from: friction of 0.36 and 0.16."""
 

@@ -12,11 +12,13 @@ from embedded_sim.model import FloatArray, Pair
 from models.causes.cause import Cause, Parameter
 from models.causes.motion import Motion
 
-TORQUE = 0.006
-"""N m, most an e-puck's motor gives: 3.9 m/s^2 with 0.15 kg on 20.5 mm wheels. Our choice."""
-ACCELERATION = 190.0
-"""rad/s^2 that `TORQUE` gives the wheels of such a robot (2 T / m r^2): taken where no healthy
-reference says what the motors can do."""
+TORQUE = 0.0076
+"""N m, most an e-puck's motor gives: 3.8 m/s^2 with 0.15 kg on 20.5 mm wheels whose motors add
+1e-5 kg m^2 each. Our choice."""
+ACCELERATION = 185.0
+"""rad/s^2 that `TORQUE` gives the wheels of such a robot (T over its own inertia and half the
+robot's mass at the wheel's radius): taken where no healthy reference says what the motors can
+do."""
 STARTS = (-0.4, -1.5)
 """Coordinates to start from: two thirds and a fifth of the torque."""
 

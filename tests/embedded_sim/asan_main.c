@@ -57,7 +57,7 @@ static void build_behaviour(rg_behaviour *b, const rg_model *m) {
     b->cruise_speed = 6.0;
     b->avoid_speed = 4.0;
     b->avoid_duration = b->avoid_memory = 0.5;
-    b->search_curvature = 0.8;
+    b->search_curvature = 1.0;
     b->search_duration[0] = 0.4;
     b->search_duration[1] = 2.0;
     b->light_contrast = 40.0;

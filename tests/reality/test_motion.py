@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from reality import constants as k
-from studies.convergence import CHOSEN, Setting, drive, second_by_second
+from studies.convergence import (
+    CHOSEN,
+    Setting,
+    converged,
+    drive,
+    manoeuvres,
+    misses,
+    second_by_second,
+)
 
 FULL = 6.0
 """rad/s."""
@@ -87,6 +95,13 @@ def test_half_the_step_and_ten_times_the_iterations_agree_to_a_millimetre_a_seco
     position, heading = second_by_second(chosen, finer)
     assert position < 1e-3
     assert heading < 1e-2
+
+
+def test_manoeuvres_are_converged_and_a_setting_that_is_fast_and_wrong_is_caught() -> None:
+    finer = manoeuvres(Setting(0.5 * CHOSEN.step, 10 * CHOSEN.iterations))
+    assert converged(misses(CHOSEN, finer))
+    assert not converged(misses(Setting(CHOSEN.step, 4), finer))
+    assert not converged(misses(Setting(2.0 * CHOSEN.step, 5), finer))
 
 
 def test_two_worlds_move_bit_for_bit_alike() -> None:

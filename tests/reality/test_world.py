@@ -41,15 +41,17 @@ def test_robots_stay_in_the_arena_and_apart_when_driven_into_everything() -> Non
 
 
 def test_a_robot_pushes_another_along() -> None:
-    start = np.array([[-0.2, 0.0, 0.0], [-0.1, 0.0, 1.0]])
+    start = np.array([[-0.2, 0.0, 0.0], [-0.1, 0.0, 0.0]])
     world = World(2, np.random.SeedSequence(1), poses=start)
     for _ in range(50):
         world.sense()
-        world.act(np.array([[5.0, 5.0], [0.0, 0.0]]))
+        world.act(np.array([[5.0, 5.0], [2.0, 2.0]]))
     world.sense()
-    moved = world.poses[1, 0] - start[1, 0]
+    moved, alone = world.poses[1, 0] - start[1, 0], 50 * k.CONTROL_STEP * 2.0 * k.WHEEL_RADIUS
+    apart = np.hypot(*(world.poses[1, :2] - world.poses[0, :2]))
     world.close()
-    assert moved > 0.01
+    assert moved > alone + 0.01
+    assert apart == pytest.approx(2.0 * k.BODY_RADIUS, abs=2e-3)  # two steps of approach
 
 
 def test_seven_items_are_always_present() -> None:
