@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from embedded_sim import SENSORS, PointModel
+from embedded_sim.model import FloatArray
 from models.causes import Motion
 from models.diagnosis import Unexplained
 from models.identify.swarm import Named
@@ -64,6 +65,7 @@ def diagnose_senses(
     *,
     believed: Mapping[int, Belief] | None = None,
     seen: Mapping[int, tuple[Motion, Motion]] | None = None,
+    moved: Mapping[int, Motion] | None = None,
 ) -> SenseExamination:
     """Say what is wrong with the senses of the robots of a log.
 
@@ -73,6 +75,7 @@ def diagnose_senses(
         reference: What healthy robots' senses do; None: nobody knows.
         believed: What the simulator believes of single robots, by id.
         seen: As for `look`: robots whose markers motion has found askew.
+        moved: As for `look`: robots in whose motion something was named.
     """
     missing = list(_missing(log, model, reference))
     named = _nest(log, model, missing)
@@ -80,7 +83,7 @@ def diagnose_senses(
         named, unnamed = named_or_not(named)
         return SenseExamination(named=named, unexplained=unnamed, not_checked=tuple(missing))
     healthy = no_sense_reference("") if reference is None else reference
-    sight = look(log, model, seen)
+    sight = look(log, model, seen, moved=moved)
     common = Belief(senses=model.senses)
     base = [healthy.base((believed or {}).get(robot, common)) for robot in sight.robots]
     expected = predict(sight, model, base)
@@ -91,7 +94,7 @@ def diagnose_senses(
         ]
     )
     use = sight.free & ~blind[sight.robot]
-    noisy = _noise(sight, model, base, use, healthy)
+    noisy = _noise(sight, model, base, expected, use, healthy)
     base = [
         replace(b, senses=replace(b.senses, ps_noise=b.senses.ps_noise * float(np.exp(u))))
         for b, (u, _, _) in zip(base, noisy, strict=True)
@@ -104,7 +107,7 @@ def diagnose_senses(
         replace(b, senses=replace(b.senses, ps_noise=b.senses.ps_noise / float(np.exp(u))))
         for b, (u, _, _) in zip(problem.beliefs(fit.terms, fit.coordinates), noisy, strict=True)
     ]
-    noisy = _noise(sight, model, after, use, healthy)  # what a fault explains is no noise
+    noisy = _noise(sight, model, after, expected, use, healthy)  # what a fault explains is no noise
     named += fitted_named(found, sight.robots, healthy)
     named += dead_named(blind, sight.robots)
     named += noise_named(judged.believable(noisy), sight.robots)
@@ -176,17 +179,19 @@ def _nest(log: MeasuredLog, model: PointModel, missing: list[str]) -> tuple[Name
 def _noise(
     sight: Sight,
     model: PointModel,
-    base: list[Belief],
+    beliefs: list[Belief],
+    expected: FloatArray,
     use: Bools,
     healthy: SenseReference,
 ) -> list[tuple[float, float, bool]]:
     """Per robot: logarithm of the noise's scale over the healthy one, its error, swarm-wide?
 
-    The scale is 0 where it is healthy.
+    The scale is 0 where it is healthy. `expected` (rows, 16) are a healthy robot's counts: which
+    readings tell of noise must not depend on the faults found.
     """
-    plain = Problem(sight, model, base, use)
+    plain = Problem(sight, model, beliefs, use)
     residual = plain.residual((), np.zeros(0))
-    scale = noise_scale(sight, residual, predict(sight, model, base), use)
+    scale = noise_scale(sight, residual, expected, use)
     level = healthy.noise
     value, error = scale.value - level.mean, np.hypot(scale.error, level.sd)
     known = np.isfinite(value)

@@ -95,7 +95,7 @@ def noise_scale(sight: Sight, residual: FloatArray, expected: FloatArray, use: B
     Args:
         sight: The log's.
         residual: (rows, 16) errors in noise.
-        expected: (rows, 16) counts.
+        expected: (rows, 16) counts of a healthy robot: the strong readings are judged.
         use: (rows, 16) which are judged.
     """
     value = np.full(len(sight.robots), np.nan)

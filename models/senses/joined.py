@@ -62,7 +62,14 @@ def with_senses(
     point = model.point_model(tables)
     examined = _clocks_told_apart(examined, log, point, reference, believed)
     found = examined.diagnosis
-    senses = diagnose_senses(log, point, reference, believed=believed, seen=_askew(examined))
+    senses = diagnose_senses(
+        log,
+        point,
+        reference,
+        believed=believed,
+        seen=_askew(examined),
+        moved=_moved(examined),
+    )
     joined = replace(
         found,
         named=(*found.named, *senses.named),
@@ -113,6 +120,14 @@ def _clocks_told_apart(
             not_checked=tuple(text for text in found.not_checked if both not in text),
         ),
     )
+
+
+def _moved(examined: Examination) -> dict[int, Motion]:
+    """Motion found in the robots for which a cause is named."""
+    found = examined.identified
+    named = {robot for one in found.named for robot in one.robots}
+    robots = examined.tracks.robots
+    return {robot: found.explained[k] for k, robot in enumerate(robots) if robot in named}
 
 
 def _askew(examined: Examination) -> dict[int, tuple[Motion, Motion]]:

@@ -15,10 +15,10 @@ import numpy.typing as npt
 
 from embedded_sim import SENSORS, PointModel
 from embedded_sim.model import FloatArray
+from models.believed import replay_believed
 from models.causes import Motion
 from models.log import MeasuredLog
 from models.noise import PoseNoise, pose_noise
-from models.replay import replay_log
 from models.senses.neighbours import Neighbours, around
 from models.sensing import averaged_poses, measured, scenarios
 
@@ -78,6 +78,7 @@ def look(
     model: PointModel,
     seen: Mapping[int, tuple[Motion, Motion]] | None = None,
     *,
+    moved: Mapping[int, Motion] | None = None,
     most: int = MOST_ROWS,
 ) -> Sight:
     """Cut a log.
@@ -87,9 +88,13 @@ def look(
         model: What the simulator believes; with sensor tables.
         seen: By robot, its healthy motion and the one found: what the second has of marker offsets
             beyond the first is taken off the measured poses.
+        moved: By robot, the motion found where it is not the model's: measured poses are averaged
+            along it.
         most: Rows, evenly in time.
     """
-    replayed = replay_log(log, model.drive)
+    plain = Motion(drive=model.drive)
+    robots = {int(robot) for robot in log.segments["robot"]}
+    replayed = replay_believed(log, {r: (moved or {}).get(r, plain) for r in robots})
     noise = pose_noise(log, replayed)
     tracked = np.flatnonzero(log.tracked)
     robot_of = log.frame["robot"].to_numpy(dtype=np.int64)
