@@ -174,11 +174,19 @@ def _draw_runs(content: Mapping[str, Any], path: Path) -> None:
     long["error"] *= SHOWN["m"][0]
     figure = _figure(10, 3.2)
     axis = figure.subplots()
-    sns.stripplot(long, x="run", y="error", hue="model", palette=COLOURS, ax=axis, jitter=False)
-    axis.set(ylabel="position error 1 s ahead (mm)", ylim=(0, None))
-    axis.tick_params(axis="x", labelrotation=20)
+    held = {run["run"]: run for run in content["held_out"]["runs"]}
+    long["run"] = [_scenario(held.get(run, {}), run) for run in long["run"]]
+    style = {"palette": COLOURS, "jitter": False, "dodge": True}
+    sns.stripplot(long, x="run", y="error", hue="model", ax=axis, **style)
+    axis.set(ylabel="position error 1 s ahead (mm)", ylim=(0, None), xlabel="")
+    axis.tick_params(axis="x", labelsize=7)
     axis.legend(fontsize=8, title=None)
     figure.savefig(path, dpi=DPI, metadata={"Software": ""})
+
+
+def _scenario(run: Mapping[str, Any], name: str) -> str:
+    """A recorded run as an axis calls it; another's own name."""
+    return f"{name}: {run['controller']},\n{run['case']}" if "controller" in run else name
 
 
 def _figure(width: float, height: float) -> Figure:
