@@ -8,12 +8,23 @@
 #include "small.h"
 #include "trig.h"
 
-/* Angle (rad) wheel `side` turns in h seconds towards a delivered command, advancing its speed.
- * Chain: dead zone, saturation, droop, then a first-order lag whose change of speed is limited,
- * solved exactly: cutting h in two changes nothing. At the null values every factor is 1, every
- * term 0. */
+/* A time under one command, and what a first-order lag leaves of a change of speed after it. */
+typedef struct {
+    double h; /* s */
+    double left;
+} rg_part;
+
+static inline rg_part rg_part_of(const rg_drive *d, double h) {
+    return (rg_part){h, d->time_constant > 0.0 ? rg_decay(h / d->time_constant) : 0.0};
+}
+
+/* Angle (rad) wheel `side` turns in part->h seconds towards a delivered command, advancing its
+ * speed. Chain: dead zone, saturation, droop, then a first-order lag whose change of speed is
+ * limited, solved exactly: cutting h in two changes nothing. At the null values every factor is 1,
+ * every term 0. */
 static inline double rg_wheel_advance(const rg_drive *d, int side, double *speed, double command,
-                                      double h, double time) {
+                                      const rg_part *part, double time) {
+    const double h = part->h;
     const double magnitude = fabs(command) < d->dead_zone[side] ? 0.0 : fabs(command);
     const double drooped = rg_max(1.0 - d->droop_rate * time, 0.0);
     const double reached = rg_min(magnitude, d->speed_limit[side]) * drooped;
@@ -25,15 +36,15 @@ static inline double rg_wheel_advance(const rg_drive *d, int side, double *speed
     if (d->time_constant > 0.0) {
         /* while the lag asks for more than the limit gives, speed changes at the limit */
         const double ramp = rg_min(fabs(step) / d->acceleration[side] - d->time_constant, h);
-        double rest = h, away = step;
+        double rest = h, away = step, left = part->left;
         turned = 0.0;
         if (ramp > 0.0) {
             const double change = copysign(d->acceleration[side] * ramp, step);
             turned = (start + 0.5 * change) * ramp;
             away = step - change;
             rest = h - ramp;
+            left = rg_decay(rest / d->time_constant);
         }
-        const double left = rg_decay(rest / d->time_constant);
         end = target - away * left;
         turned += target * rest - away * d->time_constant * (1.0 - left);
     } else if (fabs(step) > d->acceleration[side] * h) {

@@ -37,26 +37,24 @@ static const double *rg_past(const rg_motors *motors, int steps) {
     return motors->queue[(motors->head - steps) & (RG_COMMAND_SLOTS - 1)];
 }
 
-/* Drive h seconds under one command. */
-static void rg_drive_part(const rg_drive *d, rg_forager *f, const double *command, double h) {
+/* Drive a part of a step under one command. */
+static void rg_drive_part(const rg_drive *d, rg_forager *f, const double *command,
+                          const rg_part *part) {
     rg_motors *motors = &f->motors;
-    const double l = rg_wheel_advance(d, 0, &motors->speed[0], command[0], h, motors->time);
-    const double r = rg_wheel_advance(d, 1, &motors->speed[1], command[1], h, motors->time);
+    const double l = rg_wheel_advance(d, 0, &motors->speed[0], command[0], part, motors->time);
+    const double r = rg_wheel_advance(d, 1, &motors->speed[1], command[1], part, motors->time);
     f->clear -= rg_arc(d, l, r, f->now.pose, f->now.heading);
 }
 
-/* Drive one control step: the command arrives `latency` late, so a step has two parts. */
-static void rg_drive_step(const rg_model *m, rg_forager *f, const double command[2]) {
+static void rg_drive_step(const rg_model *m, const rg_cut *cut, rg_forager *f,
+                          const double command[2]) {
     const rg_drive *d = &m->drive;
     rg_motors *motors = &f->motors;
     motors->head = (motors->head + 1) & (RG_COMMAND_SLOTS - 1);
     memcpy(motors->queue[motors->head], command, sizeof motors->queue[0]);
-    const double late = d->latency / m->control_step;
-    const int whole = (int)late;
-    const double old = (late - whole) * m->control_step; /* s of the step under the older command */
-    if (old > 0.0)
-        rg_drive_part(d, f, rg_past(motors, whole + 1), old);
-    rg_drive_part(d, f, rg_past(motors, whole), m->control_step - old);
+    if (cut->old.h > 0.0)
+        rg_drive_part(d, f, rg_past(motors, cut->whole + 1), &cut->old);
+    rg_drive_part(d, f, rg_past(motors, cut->whole), &cut->rest);
     motors->time += m->control_step;
     /* the wall stops the robot where it touches: it slides along, keeping its heading */
     const double reach = m->arena_radius - m->body_radius;
@@ -96,6 +94,7 @@ static int32_t rg_forage(const rg_model *m, const rg_behaviour *b, rg_trials *se
     const uint32_t *seed = set->seeds + 4 * trial;
     const int32_t scenario = set->scenarios[trial];
     const rg_watch watch = rg_watch_of(m, b, set->genomes + 2 * trial, scenario);
+    const rg_cut cut = rg_cut_of(m);
     const double t_max = set->steps * m->control_step;
     rg_forager f;
     memset(&f, 0, sizeof f);
@@ -116,7 +115,7 @@ static int32_t rg_forage(const rg_model *m, const rg_behaviour *b, rg_trials *se
         }
         double command[2];
         rg_decide(m, b, &watch, &f, seed, (uint32_t)step, scenario, command);
-        rg_drive_step(m, &f, command);
+        rg_drive_step(m, &cut, &f, command);
         if (!isfinite(f.now.pose[0] + f.now.pose[1] + f.now.pose[2])) {
             *at = step;
             return RG_NOT_FINITE;

@@ -104,8 +104,8 @@ RG_INLINE void rg_lamp_v(const rg_model *m, const rg_group *g, const int *looks,
     const rg_tables *t = &m->tables;
     const int around = 3 * t->ls_bearings + 1;
     const double per_rad = t->ls_bearings / RG_TWO_PI;
-    rg_v bearing[RG_GROUPS], wd[RG_GROUPS];
-    rg_m row[RG_GROUPS];
+    rg_v bearing[RG_GROUPS] = {{0}}, wd[RG_GROUPS] = {{0}};
+    rg_m row[RG_GROUPS] = {{0}};
     RG_EACH_LOOKING(i, looks) {
         const rg_v dx = x[i] - g[i].x, dy = y[i] - g[i].y, c = g[i].cosine, s = g[i].sine;
         bearing[i] = rg_clip_v(rg_angle_v(c * dy - s * dx, c * dx + s * dy), -RG_PI, RG_PI);
@@ -137,8 +137,8 @@ RG_INLINE void rg_follow_v(const rg_model *m, const rg_group *g, uint32_t step, 
     const rg_behaviour *b = g[0].behaviour[0]; /* where the sensors are is the same for all */
     const double power = m->lamp_gain * rg_max(1.0 - m->lamp_decay * time, 0.0);
     int looks[RG_GROUPS];
-    rg_v ls[RG_GROUPS][RG_SENSORS], noise[RG_GROUPS][RG_SENSORS], seen[RG_GROUPS];
-    rg_v x[RG_GROUPS], y[RG_GROUPS], gain[RG_GROUPS], bearing[RG_GROUPS];
+    rg_v ls[RG_GROUPS][RG_SENSORS], noise[RG_GROUPS][RG_SENSORS], seen[RG_GROUPS] = {{0}};
+    rg_v x[RG_GROUPS], y[RG_GROUPS], gain[RG_GROUPS], bearing[RG_GROUPS] = {{0}};
     for (int i = 0; i < RG_GROUPS; i++) {
         looks[i] = rg_which(taxis[i] != 0) != 0;
         x[i] = g[i].lamp_x;
@@ -233,8 +233,9 @@ RG_INLINE void rg_decide_v(const rg_model *m, rg_group *g, uint32_t step, double
 }
 
 /* rg_wheel_advance */
-RG_INLINE rg_v rg_wheel_advance_v(const rg_drive *d, int side, rg_v *speed, rg_v command, double h,
-                                  double time) {
+RG_INLINE rg_v rg_wheel_advance_v(const rg_drive *d, int side, rg_v *speed, rg_v command,
+                                  const rg_part *part, double time) {
+    const double h = part->h;
     const rg_v wanted = rg_abs_v(command);
     const rg_v magnitude = rg_pick(wanted < d->dead_zone[side], (rg_v){0}, wanted);
     const double drooped = rg_max(1.0 - d->droop_rate * time, 0.0);
@@ -249,7 +250,9 @@ RG_INLINE rg_v rg_wheel_advance_v(const rg_drive *d, int side, rg_v *speed, rg_v
         const rg_v away = rg_pick(ramps, step - change, step);
         const rg_v rest = rg_pick(ramps, h - ramp, rg_all(h));
         const rg_v before = rg_pick(ramps, (start + 0.5 * change) * ramp, (rg_v){0});
-        const rg_v left = rg_decay_v(rest / d->time_constant);
+        rg_v left = rg_all(part->left);
+        if (rg_which(ramps) != 0)
+            left = rg_pick(ramps, rg_decay_v(rest / d->time_constant), left);
         *speed = target - away * left;
         return before + (target * rest - away * d->time_constant * (1.0 - left));
     }
@@ -263,13 +266,13 @@ RG_INLINE rg_v rg_wheel_advance_v(const rg_drive *d, int side, rg_v *speed, rg_v
     return rg_pick(limited, 0.5 * (start + end) * h, target * h - 0.5 * step * size / most);
 }
 
-/* Drive h seconds under one command: rg_wheel_advance and rg_arc. */
-RG_INLINE void rg_drive_part_v(const rg_drive *d, rg_group *g, const rg_v *command, double h,
-                               double time) {
+/* Drive a part of a step under one command: rg_wheel_advance and rg_arc. */
+RG_INLINE void rg_drive_part_v(const rg_drive *d, rg_group *g, const rg_v *command,
+                               const rg_part *part, double time) {
     const rg_v sl =
-        d->wheel_radius[0] * rg_wheel_advance_v(d, 0, &g->speed[0], command[0], h, time);
+        d->wheel_radius[0] * rg_wheel_advance_v(d, 0, &g->speed[0], command[0], part, time);
     const rg_v sr =
-        d->wheel_radius[1] * rg_wheel_advance_v(d, 1, &g->speed[1], command[1], h, time);
+        d->wheel_radius[1] * rg_wheel_advance_v(d, 1, &g->speed[1], command[1], part, time);
     const rg_v half = 0.5 * ((sr - sl) / d->axle);
     rg_v sinc, cosine;
     rg_turn_v(half, &sinc, &cosine);
@@ -284,20 +287,19 @@ RG_INLINE void rg_drive_part_v(const rg_drive *d, rg_group *g, const rg_v *comma
     g->sine = next_s * unit;
 }
 
-RG_INLINE void rg_drive_step_v(const rg_model *m, rg_group *g, int32_t step, double time,
-                               const rg_v *command) {
+RG_INLINE void rg_drive_step_v(const rg_model *m, const rg_cut *cut, rg_group *g, int32_t step,
+                               double time, const rg_v *command) {
     const rg_drive *d = &m->drive;
-    const double late = d->latency / m->control_step;
-    const int whole = (int)late;
-    const double old = (late - whole) * m->control_step;
     const rg_v *present = command;
-    if (late > 0.0) {
+    if (cut->whole > 0 || cut->old.h > 0.0) {
         memcpy(g->queue[step & (RG_COMMAND_SLOTS - 1)], command, sizeof g->queue[0]);
-        present = g->queue[(step - whole) & (RG_COMMAND_SLOTS - 1)];
+        present = g->queue[(step - cut->whole) & (RG_COMMAND_SLOTS - 1)];
     }
-    if (old > 0.0)
-        rg_drive_part_v(d, g, g->queue[(step - whole - 1) & (RG_COMMAND_SLOTS - 1)], old, time);
-    rg_drive_part_v(d, g, present, m->control_step - old, time);
+    if (cut->old.h > 0.0) {
+        const rg_v *before = g->queue[(step - cut->whole - 1) & (RG_COMMAND_SLOTS - 1)];
+        rg_drive_part_v(d, g, before, &cut->old, time);
+    }
+    rg_drive_part_v(d, g, present, &cut->rest, time);
     const double reach = m->arena_radius - m->body_radius;
     const rg_v square = g->x * g->x + g->y * g->y;
     const rg_m beyond = square > reach * reach;
@@ -310,6 +312,7 @@ RG_INLINE void rg_drive_step_v(const rg_model *m, rg_group *g, int32_t step, dou
 
 /* Runs both groups, whose instructions overlap; whether every number stayed finite. */
 static int rg_run(const rg_model *m, rg_group g[RG_GROUPS], int32_t steps) {
+    const rg_cut cut = rg_cut_of(m);
     const double t_max = steps * m->control_step;
     double time = 0.0;
     for (int32_t step = 0; step < steps; step++) {
@@ -319,7 +322,7 @@ static int rg_run(const rg_model *m, rg_group g[RG_GROUPS], int32_t steps) {
         rg_decide_v(m, g, (uint32_t)step, time, command);
         rg_m wrong = {0};
         for (int i = 0; i < RG_GROUPS; i++) {
-            rg_drive_step_v(m, &g[i], step, time, command[i]);
+            rg_drive_step_v(m, &cut, &g[i], step, time, command[i]);
             const rg_v sum = g[i].x + g[i].y + g[i].cosine + g[i].sine;
             wrong |= sum - sum != 0.0;
         }

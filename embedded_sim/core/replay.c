@@ -22,9 +22,10 @@ static void rg_replay_interval(const rg_drive *d, const double *t, const double 
         const int moving = *arrived >= first;
         const double left = moving ? commands[2 * *arrived] : 0.0;
         const double right = moving ? commands[2 * *arrived + 1] : 0.0;
-        const double h = until - now, since = now - t[first];
-        const double l = rg_wheel_advance(d, 0, &speed[0], left, h, since);
-        const double r = rg_wheel_advance(d, 1, &speed[1], right, h, since);
+        const rg_part part = rg_part_of(d, until - now);
+        const double since = now - t[first];
+        const double l = rg_wheel_advance(d, 0, &speed[0], left, &part, since);
+        const double r = rg_wheel_advance(d, 1, &speed[1], right, &part, since);
         rg_arc(d, l, r, pose, heading);
         now = until;
     }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "behaviour.h"
+#include "drive.h"
 #include "noise.h"
 #include "random.h"
 #include "realitygap_core.h"
@@ -147,6 +148,20 @@ static inline void rg_see_light(const rg_model *m, const uint32_t seed[4], uint3
     rg_noise(seed, step, RG_NOISE_LS, noise);
     for (int k = 0; k < RG_SENSORS; k++)
         ls[k] = rg_clip(ls[k] + t->ls_noise * noise[k], 0.0, t->counts_max);
+}
+
+/* How a control step is cut: a command arrives `latency` late, so that a step has two parts. */
+typedef struct {
+    int whole;         /* steps that the newest command at the motors is old */
+    rg_part old, rest; /* the part of the step under the command before it, and the rest */
+} rg_cut;
+
+static inline rg_cut rg_cut_of(const rg_model *m) {
+    const double late = m->drive.latency / m->control_step;
+    const int whole = (int)late;
+    const double old = (late - whole) * m->control_step;
+    return (rg_cut){whole, rg_part_of(&m->drive, old),
+                    rg_part_of(&m->drive, m->control_step - old)};
 }
 
 /* Is there room for food outside the nest, and for the commands on their way? */
