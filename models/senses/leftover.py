@@ -34,8 +34,8 @@ MOST_TRIED = 5
 """Quantities fitted to the end, of those that promise most by one step."""
 
 
-CLEARLY_MORE = 1.2
-"""Times what is plainer that something must take off to be believed instead."""
+CLEARLY_MORE = 1.1
+"""Times what a constant takes off that something must take off to be believed instead."""
 ALWAYS = "always"
 
 

@@ -15,7 +15,7 @@ from scipy import stats
 
 from embedded_sim.model import FloatArray
 from models.senses.glance import Promise, promises
-from models.senses.leftover import CLEARLY_MORE, Left, leftovers
+from models.senses.leftover import Left, leftovers
 from models.senses.problem import SWARM, Fit, Problem, Term
 from models.senses.reference import SenseReference, away
 from models.senses.structure import Structure
@@ -33,6 +33,9 @@ MARGIN = 8.0
 """Held-out deviance by which a rival must be worse."""
 MARGIN_ERRORS = 1.6
 """Standard errors, over blocks, of the same."""
+MIMIC = 1.03
+"""Times a cause's gain, and `MARGIN` more, by which what follows a quantity must do better for the
+cause to be taken for a mimic: an exact cause does as well as anything of a parameter or two."""
 COMPANION = 0.04
 """Of a stronger cause's gain that another of the same sensors needs to be named beside it: no
 model of a cause is exact."""
@@ -101,8 +104,7 @@ def _better(
         first = not any(left.concerns(problem, term) for term in kept.terms)
         if left in closed or not first or not left.concerns(problem, best):
             continue
-        # an exact cause does at least as well as anything of a parameter or two
-        if left.gain > CLEARLY_MORE * gain:
+        if left.gain > MIMIC * gain + MARGIN:
             return left
     return None
 
