@@ -90,6 +90,15 @@ class Swarm:
         self._heard_s0: FloatArray = np.zeros((robots, robots))
         self._heard_fitness: FloatArray = np.zeros((robots, robots))
         self._heard_step = np.full((robots, robots), -1, dtype=np.int64)
+        self._running = (
+            ffi.from_buffer("uint8_t[]", self.active),
+            ffi.from_buffer("double[]", self._genomes),
+        )
+        self._answers = (
+            ffi.from_buffer("double[]", self.commands),
+            ffi.from_buffer("uint8_t[]", self.picked),
+            ffi.from_buffer("uint8_t[]", self.dropped),
+        )
         self._controllers = ffi.new("rg_controller[]", robots)
         for i, words in enumerate(seed.generate_state(4 * robots).reshape(robots, 4).tolist()):
             lib.rg_controller_start(ffi.addressof(self._controllers, i), words)
@@ -113,16 +122,13 @@ class Swarm:
         lib.rg_control_swarm(
             self._behaviours,
             self.robots,
-            ffi.from_buffer("uint8_t[]", self.active),
-            ffi.from_buffer("double[]", self._genomes),
+            *self._running,
             self._controllers,
             ffi.from_buffer("double[]", ps),
             ffi.from_buffer("double[]", ls),
             ffi.from_buffer("uint8_t[]", on_food),
             ffi.from_buffer("uint8_t[]", on_nest),
-            ffi.from_buffer("double[]", self.commands),
-            ffi.from_buffer("uint8_t[]", self.picked),
-            ffi.from_buffer("uint8_t[]", self.dropped),
+            *self._answers,
         )
         if self.picked.any():
             self._pickup[self.picked != 0] = now

@@ -66,6 +66,11 @@ class Infrared:
         self._outliers = doubles(hardware.ir_outliers)
         self._offset = doubles(hardware.ir_offset)
         self._noise = doubles(hardware.ir_noise)
+        self._ends = doubles(self._start), doubles(self._end)
+        self._owners = ffi.from_buffer("int32_t[]", self._owner)
+        self._hits = doubles(self._fraction), doubles(self._normals), doubles(self._reflectance)
+        self._draws = doubles(self._gauss), doubles(self._uniform)
+        self._read = doubles(self.counts)
 
     def sense(self, engine: Engine, poses: FloatArray) -> None:
         """Cast the rays that something can be in front of, and fill `counts`."""
@@ -74,9 +79,8 @@ class Infrared:
             self._robots,
             doubles(poses),
             self._angles,
-            doubles(self._start),
-            doubles(self._end),
-            ffi.from_buffer("int32_t[]", self._owner),
+            *self._ends,
+            self._owners,
         )
         if rays:
             self._cast(engine, rays)
@@ -88,17 +92,14 @@ class Infrared:
             doubles(poses),
             self._angles,
             rays,
-            ffi.from_buffer("int32_t[]", self._owner),
-            doubles(self._fraction),
-            doubles(self._normals),
-            doubles(self._reflectance),
+            self._owners,
+            *self._hits,
             self._amplitude,
             self._outliers,
             self._offset,
             self._noise,
-            doubles(self._gauss),
-            doubles(self._uniform),
-            doubles(self.counts),
+            *self._draws,
+            self._read,
         )
         if self._law is not None:
             directions = poses[:, 2:] + self._hardware.sensor_angles
@@ -129,6 +130,7 @@ class Light:
         self._ambient = doubles(hardware.light_ambient)
         self._gain = doubles(hardware.light_gain)
         self._response = doubles(hardware.light_response)
+        self._drawn, self._read = doubles(self._gauss), doubles(self.counts)
         self._lamps = ffi.new("rgo_lamp[]", 1 + len(hardware.windows))
         self._lit = 0
         self._decay, self._law = 0.0, hardware.laws.lamp
@@ -164,8 +166,8 @@ class Light:
             self._ambient,
             self._gain,
             self._response,
-            doubles(self._gauss),
-            doubles(self.counts),
+            self._drawn,
+            self._read,
         )
 
 
@@ -185,6 +187,12 @@ class Tracker:
         self._marked = np.flatnonzero(hardware.markers.any(axis=1))
         self._markers = hardware.markers[self._marked]
         self._law = hardware.laws.tracker
+        self._places = doubles(self.poses), doubles(self.food), doubles(self._nest)
+        self._virtual = (
+            ffi.from_buffer("uint8_t[]", self.on_food),
+            ffi.from_buffer("uint8_t[]", self.on_nest),
+            ffi.from_buffer("int32_t[]", self.item),
+        )
 
     def place_food(self, item: int, random: np.random.Generator) -> None:
         """Put an item anywhere a robot's centre can reach, outside the nest."""
@@ -210,17 +218,16 @@ class Tracker:
 
     def locate(self, carrying: npt.NDArray[np.uint8]) -> None:
         """Fill `on_food`, `on_nest` and `item` from the measured poses."""
+        poses, food, nest = self._places
         lib.rgo_virtual_sensor(
             self._robots,
-            doubles(self.poses),
+            poses,
             ffi.from_buffer("uint8_t[]", carrying),
             k.FOOD_ITEMS,
-            doubles(self.food),
+            food,
             k.FOOD_RADIUS,
-            doubles(self._nest),
-            ffi.from_buffer("uint8_t[]", self.on_food),
-            ffi.from_buffer("uint8_t[]", self.on_nest),
-            ffi.from_buffer("int32_t[]", self.item),
+            nest,
+            *self._virtual,
         )
 
 

@@ -8,20 +8,18 @@ from typing import Annotated, Optional
 import typer
 
 from studies.cli import app
-from studies.cli.options import Quiet
+from studies.cli.options import Jobs, Quiet, Scheduler
 
 
 @app.command(epilog="Example: realitygap blind --trials 60 --seed 3 --out out/blind")
 def blind(
     out: Annotated[Path, typer.Option(help="The battery's directory; an unfinished one resumes.")],
     trials: Annotated[int, typer.Option(help="Runs; a larger number extends a battery.")] = 200,
-    jobs: Annotated[
-        Optional[int],  # noqa: UP045 - typer reads this at run time
-        typer.Option(help="Processes; all cores if absent."),
-    ] = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
     seed: Annotated[int, typer.Option(help="Everything drawn follows from it.")] = 0,
     only: Annotated[
-        Optional[list[str]],  # noqa: UP045
+        Optional[list[str]],  # noqa: UP045 - typer reads this at run time
         typer.Option(help="Effect to draw from, repeatable; all the diagnosis knows if absent."),
     ] = None,
     at_bars: Annotated[
@@ -64,7 +62,7 @@ def blind(
         **lengths,
     )
     try:
-        summary = run_battery(config, out, Workers.chosen(jobs, None), quiet=quiet)
+        summary = run_battery(config, out, Workers.chosen(jobs, scheduler), quiet=quiet)
     except (TrialsFailed, WorkersLost) as error:
         typer.echo(f"realitygap: {error}; start the command again to go on", err=True)
         raise typer.Exit(1) from None

@@ -8,7 +8,7 @@ from typing import Annotated, Optional
 import typer
 
 from studies.cli import app
-from studies.cli.options import Quiet
+from studies.cli.options import Jobs, Quiet, Scheduler
 
 study = typer.Typer(
     name="study",
@@ -19,18 +19,10 @@ study = typer.Typer(
 app.add_typer(study)
 
 Out = Annotated[Path, typer.Option(help="The study's directory; an unfinished one is resumed.")]
-Jobs = Annotated[
-    Optional[int],  # noqa: UP045 - typer reads this at run time
-    typer.Option(help="Processes; all cores if absent."),
-]
-Scheduler = Annotated[
-    Optional[str],  # noqa: UP045
-    typer.Option(help="tcp://host:port of a Dask scheduler whose workers have this package."),
-]
 Robots = Annotated[int, typer.Option(help="How many e-pucks in each run.")]
 Seed = Annotated[int, typer.Option(help="Every run's seed follows from it.")]
 Model = Annotated[
-    Optional[str],  # noqa: UP045
+    Optional[str],  # noqa: UP045 - typer reads this at run time
     typer.Option(help="Model file on board, or the name of a shipped robot; the e-puck if absent."),
 ]
 

@@ -7,8 +7,8 @@ from typing import Annotated, Optional
 
 import typer
 
-from studies.cli.options import Quiet
-from studies.cli.study import Jobs, Out, Robots, Scheduler, Seed, study
+from studies.cli.options import Jobs, Quiet, Scheduler
+from studies.cli.study import Out, Robots, Seed, study
 
 EXAMPLE = "Example: realitygap study transfer --effect window-at-nest --runs 3 --out out/transfer"
 

@@ -14,6 +14,8 @@ from pathlib import Path
 import pytest
 
 from embedded_sim.errors import InputError
+from studies.blind.battery import run_battery
+from studies.blind.trials import blind_config
 from studies.execution import Workers, WorkersLost, completed
 from studies.paper.conditions import PAPER, PlannedRun, StudyConfig, plan
 from studies.paper.directory import StudyDirectory
@@ -236,23 +238,48 @@ def _free_port() -> int:
         return int(free.getsockname()[1])
 
 
-def test_a_cluster_that_loses_a_worker_computes_the_same_bytes(
+def test_a_cluster_whose_workers_come_and_go_computes_the_same_bytes(
     cluster: tuple[str, list[subprocess.Popen[bytes]]], local: Path, tmp_path: Path
 ) -> None:
+    """After the first run a worker joins and the first two are killed: it does the rest."""
+    from distributed import Client
+
     address, processes = cluster
     out = tmp_path / "study"
     with StudyDirectory(out, TINY, plan(TINY, PAPER)).held() as directory:
         keep = directory.keep
 
-        def keep_and_kill(*args: object) -> None:
+        def keep_and_exchange(*args: object) -> None:
             keep(*args)  # type: ignore[arg-type]
-            processes[0].kill()
+            if len(processes) == 2:
+                processes.append(_dask("worker", address, "--nthreads", "1", "--no-nanny"))
+                with Client(address, timeout=300, set_as_default=False) as client:
+                    client.wait_for_workers(3, timeout=300)
+                for process in processes[:2]:
+                    process.kill()
 
-        directory.keep = keep_and_kill  # type: ignore[method-assign]
+        directory.keep = keep_and_exchange  # type: ignore[method-assign]
         execute(directory, Workers(1, address), run_files, quiet=True)
         assert directory.sessions[-1]["scheduler"] == address
-    assert processes[0].poll() is not None
+    assert [process.poll() is None for process in processes] == [False, False, True]
     assert results(out) == results(local)
+
+
+def test_a_blind_battery_on_a_cluster_is_the_one_of_local_processes(
+    cluster: tuple[str, list[subprocess.Popen[bytes]]], tmp_path: Path
+) -> None:
+    stub = Path(__file__).parents[1] / "blind" / "stub.py"
+    config = blind_config(trials=4, seed=2, effects=("ls_dead_sensor",), robots=3, seconds=(2.0,))
+    summaries = [
+        run_battery(
+            config, tmp_path / name, workers, quiet=True, command=(sys.executable, str(stub))
+        )
+        for name, workers in (("local", Workers(1)), ("cluster", Workers(1, cluster[0])))
+    ]
+    for summary in summaries:
+        del summary["diagnose_seconds"]
+    assert summaries[0]["trials"] == 4
+    assert summaries[0] == summaries[1]
 
 
 def test_a_scheduler_that_does_not_answer_is_one_clear_line(
