@@ -26,6 +26,7 @@ def main(
     out: Annotated[Path, typer.Option(help="The study's directory; goes on where it stopped.")],
     times: Annotated[float, typer.Option(help="Sizes in bars of the blind battery.")] = 2.0,
     runs: Annotated[int, typer.Option(help="Held-out runs of each altered reality.")] = 6,
+    minutes: Annotated[float, typer.Option(help="Simulated minutes of each.")] = 2.0,
     draws: Annotated[int, typer.Option(help="Times every effect is drawn.")] = 1,
     seed: Annotated[int, typer.Option(help="Everything follows from it.")] = 0,
     jobs: Annotated[int, typer.Option(help="Processes.")] = 1,
@@ -37,7 +38,7 @@ def main(
     """Hide every effect, name it from one log, extend the model, and measure on held-out runs."""
     names = tuple(only or (n for n in known_effects() if n not in HIDDEN_BY_NATURE))
     console = Console(highlight=False)
-    planned = groups(names, times=times, runs=runs, seed=seed, draws=draws)
+    planned = groups(names, times=times, runs=runs, minutes=minutes, seed=seed, draws=draws)
     table = run_catalogue(planned, out, Workers.chosen(jobs, None), console.print)
     table.to_csv(out / "catalogue.csv", index=False)
     (out / "catalogue.md").write_text(markdown(table), encoding="utf-8")

@@ -28,7 +28,16 @@ from studies.blind.record import COMMAND, diagnose
 from studies.blind.trials import Hidden
 from studies.execution import Workers, completed
 from studies.experiment import Case, RunConfig, simulate
-from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE, Recorded, measure_recorded, plan
+from studies.gain.runs import (
+    BEFORE,
+    EXTENDED,
+    HEALTHY,
+    ORACLE,
+    HeldOut,
+    Recorded,
+    measure_recorded,
+    plan,
+)
 from studies.gain.truth import true_model
 from studies.gain.weigh import weigh
 
@@ -36,7 +45,7 @@ ROBOTS = 10
 CROWD = 5
 """Robots of a run that each have an effect of their own."""
 MINUTES = 2.0
-"""Simulated, of the log that names and of each held-out run."""
+"""Simulated, of the log that names."""
 NAMING: tuple[tuple[str, Case], ...] = (
     ("coevolution", "light-at-nest"),
     ("search", "light-opposite-nest"),
@@ -66,8 +75,13 @@ class Group:
     hidden: tuple[Hidden, ...]
     naming: RunConfig
     runs: int
+    minutes: float
     seed: int
     """Of the held-out runs."""
+
+    def held_out(self, effects: tuple[str, ...]) -> list[HeldOut]:
+        """The runs, with the effects or, without any, healthy."""
+        return plan(effects, runs=self.runs, minutes=self.minutes, robots=ROBOTS, seed=self.seed)
 
     @property
     def specs(self) -> tuple[str, ...]:
@@ -76,7 +90,7 @@ class Group:
 
 
 def groups(
-    names: Sequence[str], *, times: float, runs: int, seed: int, draws: int
+    names: Sequence[str], *, times: float, runs: int, minutes: float, seed: int, draws: int
 ) -> tuple[Group, ...]:
     """All groups; sizes are `times` the bars of the blind battery's menu."""
     own = [name for name in names if catalogue()[name].per_robot]
@@ -102,7 +116,7 @@ def groups(
             robots=ROBOTS,
             seed=int(random.integers(2**31)),
         )
-        planned.append(Group(index, tuple(hidden), naming, runs, seed))
+        planned.append(Group(index, tuple(hidden), naming, runs, minutes, seed))
     return tuple(planned)
 
 
@@ -130,7 +144,7 @@ def measure_group(group: Group) -> tuple[dict[str, Any], pd.DataFrame]:
     true = true_model(minimal, parse_effects(group.specs, ROBOTS))
     if true is not None:
         models[ORACLE] = true
-    held = plan(group.specs, runs=group.runs, minutes=MINUTES, robots=ROBOTS, seed=group.seed)
+    held = group.held_out(group.specs)
     drive = file.nominal_drive
     parts = [measure_recorded(Recorded(one, models, tables, drive)) for one in held]
     return answer, pd.concat(parts, ignore_index=True)
@@ -142,7 +156,7 @@ def measure_health(group: Group) -> tuple[dict[str, Any], pd.DataFrame]:
     file = read_model_file(path)
     assert file.sensors is not None
     tables = load_tables(path.parent / file.sensors.tables)
-    held = plan((), runs=group.runs, minutes=MINUTES, robots=ROBOTS, seed=group.seed)
+    held = group.held_out(())
     models, drive = {HEALTHY: file}, file.nominal_drive
     parts = [measure_recorded(Recorded(one, models, tables, drive)) for one in held]
     return {}, pd.concat(parts, ignore_index=True)

@@ -211,7 +211,7 @@ def test_effects_other_than_what_was_hidden_are_refused(tmp_path: Path) -> None:
 
 def test_every_effect_of_the_catalogue_is_hidden_once_at_the_size_asked_for() -> None:
     names = ("motor_lag", "ir_gain", "lamp_moved", "ls_dead_sensor")
-    planned = groups(names, times=2.0, runs=6, seed=1, draws=1)
+    planned = groups(names, times=2.0, runs=6, minutes=1.0, seed=1, draws=1)
     assert sorted(one.name for group in planned for one in group.hidden) == sorted(names)
     own = [one.robots for one in planned[0].hidden]
     assert len(own) == len(set(own)) == 3
