@@ -162,7 +162,8 @@ def _senses(
     parts = []
     for name, file in models.items():
         seen = _askew(believed[name])
-        sight = look(log, point, seen, most=MOST_ROWS) if seen else plain
+        moved = {r: m for r, m in believed[name].items() if m != Motion(drive=point.drive)}
+        sight = look(log, point, seen, moved=moved, most=MOST_ROWS) if moved else plain
         beliefs = [_belief(file, robot) for robot in sight.robots]
         counts = predict(sight, point, beliefs)
         error = np.abs(sight.read - counts)
