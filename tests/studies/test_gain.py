@@ -72,7 +72,9 @@ def test_the_true_model_predicts_as_well_as_noise_allows_and_the_minimal_one_doe
         assert right == pytest.approx(mean[0, BEFORE, channel, "1 s"], rel=0.2)
         assert wrong > 1.5 * right
     assert mean[0, BEFORE, "heading", "1 s"] == mean[0, EXTENDED, "heading", "1 s"]
-    assert mean[1, BEFORE, "ls0", ""] == mean[1, EXTENDED, "ls0", ""]
+    assert mean[0, BEFORE, "ls0", ""] == mean[0, EXTENDED, "ls0", ""]
+    # poses are averaged along the motion believed, and so differ a little
+    assert mean[1, BEFORE, "ls0", ""] == pytest.approx(mean[1, EXTENDED, "ls0", ""], rel=0.01)
 
 
 def test_every_model_is_asked_the_same() -> None:
