@@ -1,14 +1,19 @@
 """Benchmarks: `python -m studies.bench [--minutes M] [--out FILE]`, or `make bench`.
 
 Ratios of things timed in one process, so that they hold on a slower or busier machine; absolute
-figures stand beside them. Medians over repeats where repeats are cheap.
+figures stand beside them. It is the processor's time that counts, on one core: what others do on
+the machine matters less. Medians over repeats where repeats are cheap.
 """
 
 from __future__ import annotations
 
+import resource
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -17,9 +22,10 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from embedded_sim import CONTROL_STEP, Behaviour, PointModel, evaluate
+from embedded_sim import CONTROL_STEP, Behaviour, PointModel, evaluate, replay
 from embedded_sim.breeding import CoEvolution
 from embedded_sim.onboard import Swarm
+from embedded_sim.simulator import FORMS, Form, has_form
 from models import load_model, read_model_file
 from models.catalogue import every_cause
 from models.extension import Extension, NamedCause, ParameterValue
@@ -52,9 +58,9 @@ def clocked(spent: dict[str, float]) -> Iterator[None]:
 
     def clock(part: str, original: Callable[..., Any]) -> Callable[..., Any]:
         def timed(*args: Any, **kwargs: Any) -> Any:
-            began = time.perf_counter()
+            began = time.process_time()
             result = original(*args, **kwargs)
-            spent[part] = spent.get(part, 0.0) + time.perf_counter() - began
+            spent[part] = spent.get(part, 0.0) + time.process_time() - began
             return result
 
         return timed
@@ -72,10 +78,14 @@ def co_evolution(minutes: float) -> tuple[float, dict[str, float]]:
     """Simulated seconds per second of a whole run, and the share of time of each part."""
     config = RunConfig(minutes=minutes, robots=ROBOTS, seed=1)
     spent: dict[str, float] = {}
+    began = time.process_time()
     with TemporaryDirectory() as out:
-        plain = simulate(config, (), Path(out))["wall_seconds"]
+        simulate(config, (), Path(out))
+    plain = time.process_time() - began
+    began = time.process_time()
     with TemporaryDirectory() as out, clocked(spent):
-        total = simulate(config, (), Path(out))["wall_seconds"]
+        simulate(config, (), Path(out))
+    total = time.process_time() - began
     return minutes * 60.0 / plain, {part: seconds / total for part, seconds in spent.items()}
 
 
@@ -88,12 +98,12 @@ def bare_stepping(minutes: float) -> float:
     schedule = np.array(
         [np.repeat([c[1:] for c in own], [c[0] for c in own], 0) for own in commands]
     )
-    began = time.perf_counter()
+    began = time.process_time()
     for step in range(schedule.shape[1]):
         world.act(schedule[:, step])
-    wall = time.perf_counter() - began
+    took = time.process_time() - began
     world.close()
-    return seconds / wall
+    return seconds / took
 
 
 ACTIVE = {"motor_saturation": (5.9,), "motor_dead_zone": (0.3,), "second_lamp": (0.3, 0.4, 0.2)}
@@ -115,17 +125,66 @@ def every_term() -> PointModel:
     return extended.point_model(load_model().tables)
 
 
-def extended_over_minimal(repeats: int = 15) -> float:
-    """Time of a robot-step with every term active over that of the minimal model.
+def extended_over_minimal(extended: PointModel, *, form: Form = "best", repeats: int = 15) -> float:
+    """Time of a robot-step of an extended model over that of the minimal model.
 
     Median over repeats in which both are timed one after the other.
     """
-    extended = every_term()
-    return median(embedded(1, model=extended) / embedded(1) for _ in range(repeats))
+    return median(
+        embedded(1, model=extended, form=form) / embedded(1, form=form) for _ in range(repeats)
+    )
 
 
-def embedded(repeats: int = 7, *, model: PointModel | None = None) -> float:
-    """ns per robot-step of the embedded simulator: all nine controllers under all three lamps."""
+def replayed(model: PointModel, repeats: int = 7) -> float:
+    """ns per row of a replay: ten robots of ten minutes, a row every 40 ms."""
+    robots, rows = 10, 15000
+    random = np.random.default_rng(1)
+    commands = np.repeat(random.uniform(-6.0, 6.0, (robots * rows // 25, 2)), 25, axis=0)
+    t = np.tile(CONTROL_STEP * np.arange(rows), robots)
+    start = rows * np.arange(robots + 1)
+    took = []
+    for _ in range(repeats):
+        began = time.process_time()
+        replay(t, commands, start, np.zeros((robots, 3)), drive=model.drive)
+        took.append(time.process_time() - began)
+    return 1e9 * median(took) / (robots * rows)
+
+
+def command(*words: str, repeats: int = 5) -> float:
+    """s of processor time, user's and system's, of one command in a fresh process; median."""
+    took = []
+    for _ in range(repeats):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        with TemporaryDirectory() as out:
+            line = [word.replace("OUT", out) for word in words]
+            subprocess.run(
+                [sys.executable, "-c", "from studies.cli import main; main()", *line],
+                check=True,
+                stdout=subprocess.DEVNULL,
+            )
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        took.append(after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
+    return median(took)
+
+
+def point_model() -> dict[str, float]:
+    """Everything about the embedded simulator, by its name in the JSON."""
+    every = every_term()
+    alone = replace(every, senses=replace(every.senses, second_lamp=None))
+    figures = {f"embedded_{form}_ns": embedded(form=form) for form in FORMS if has_form(form)}
+    for name, model in (("extended", every), ("extended_one_lamp", alone)):
+        for form in ("best", "one_by_one"):
+            figures[f"{name}_over_minimal_{form}"] = extended_over_minimal(model, form=form)
+    figures["replay_minimal_ns"] = replayed(load_model())
+    figures["replay_extended_ns"] = replayed(every)
+    return figures
+
+
+def embedded(repeats: int = 7, *, model: PointModel | None = None, form: Form = "best") -> float:
+    """ns per robot-step of the embedded simulator: all nine controllers under all three lamps.
+
+    Median of the processor's time over repeats.
+    """
     thirds = (0.1, 0.5, 0.9)
     genomes = np.tile([(g0, g1) for g0 in thirds for g1 in thirds], (45, 1))
     trials = len(genomes)
@@ -135,9 +194,9 @@ def embedded(repeats: int = 7, *, model: PointModel | None = None) -> float:
     model, behaviour = model or load_model(), Behaviour()
     took = []
     for _ in range(repeats):
-        began = time.perf_counter()
-        evaluate(genomes, scenarios, seeds, model=model, behaviour=behaviour)
-        took.append(time.perf_counter() - began)
+        began = time.process_time()
+        evaluate(genomes, scenarios, seeds, model=model, behaviour=behaviour, form=form)
+        took.append(time.process_time() - began)
     return 1e9 * median(took) / trials / (60.0 / CONTROL_STEP)
 
 
@@ -146,18 +205,25 @@ def main(
     out: Annotated[Path, typer.Option(help="JSON to write.")] = Path("out/bench.json"),
 ) -> None:
     """Time reality, bare physics and the embedded simulator in one process."""
-    with Progress("bench", 3.0, quiet=False) as shown:
-        nanoseconds, price = embedded(), extended_over_minimal()
+    with Progress("bench", 4.0, quiet=False) as shown:
+        figures = point_model()
         shown.reach(1)
-        bare = bare_stepping(minutes)
+        figures["help_cpu_seconds"] = command("--help")
+        run = ("run", "--minutes", "0.1", "--quiet", "--out", "OUT/run")
+        figures["short_run_cpu_seconds"] = command(*run)
         shown.reach(2)
-        speed, shares = co_evolution(minutes)
+        bare = bare_stepping(minutes)
         shown.reach(3)
-    shown.say(f"embedded simulator, everything: {nanoseconds:.0f} ns per robot-step")
-    shown.say(f"the same with every term of an extension: {price:.2f} times as long")
-    shown.say(f"{ROBOTS} robots co-evolving: {speed:.1f} times real time")
-    shown.say(f"the same bodies, bare stepSimulation: {bare:.1f} times real time")
-    shown.say(f"a whole run costs {bare / speed:.2f} times bare stepping; its time goes to")
+        speed, shares = co_evolution(minutes)
+        shown.reach(4)
+    figures |= {
+        "co_evolution_times_real_time": speed,
+        "bare_stepping_times_real_time": bare,
+        "run_over_bare": bare / speed,
+    }
+    for name, value in figures.items():
+        shown.say(f"{name}: {value:.4g}")
+    shown.say(f"the time of {ROBOTS} robots co-evolving for {minutes:g} min goes to")
     for part, share in shares.items():
         shown.say(f"  {part}: {100.0 * share:.1f} %")
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -165,11 +231,7 @@ def main(
         out,
         {
             "schema": 1,
-            "embedded_ns_per_robot_step": nanoseconds,
-            "extended_over_minimal": price,
-            "co_evolution_times_real_time": speed,
-            "bare_stepping_times_real_time": bare,
-            "run_over_bare": bare / speed,
+            **figures,
             "shares": shares,
             "minutes": minutes,
             "robots": ROBOTS,
