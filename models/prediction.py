@@ -2,7 +2,9 @@
 
 Every model is asked the same: windows and readings are chosen by the first one and by the
 measurements, never by what a model gets right. Errors are absolute; sums and numbers are kept, by
-robot and by stretch of time, so that means can be taken and resampled over any of them.
+robot, by stretch of time and by stratum, so that means can be taken and resampled over any of them.
+Strata are like situations: how much the command changed, how much of wall or lamp is to be seen.
+Robots are compared in like situations, for one that turns more is off more.
 """
 
 from __future__ import annotations
@@ -39,6 +41,13 @@ SEEN = 20.0
 Our choice: four times the noise of a reading of nothing."""
 MOST_ROWS = 6000
 """Rows of a run whose sensors are judged: five a second of ten robots in two minutes."""
+CHANGES = (0.5, 3.0, 6.0, 10.0, 15.0, 25.0)
+"""rad/s that the commands change by within a second, or from a little before a shorter window, that
+divide strata of motion: nothing, search's curves, one turn, several. Our choice."""
+LAST_ROWS = 3
+"""Rows before a window whose commands the motors may still be following."""
+COUNTS = {"ps": (50.0, 100.0, 200.0, 400.0, 800.0, 1600.0), "ls": (5.0, 50.0, 150.0, 400.0, 1000.0)}
+"""counts that the first model expects (light: below dark) that divide strata of readings."""
 COLUMNS = (
     "model",
     "kind",
@@ -47,9 +56,11 @@ COLUMNS = (
     "unit",
     "robot",
     "block",
+    "stratum",
     "total",
     "number",
 )
+STRATA = 1 + max(len(edges) for edges in (CHANGES, *COUNTS.values()))
 Counts = npt.NDArray[np.int64]
 
 
@@ -59,22 +70,27 @@ class _Cells(NamedTuple):
     robots: tuple[int, ...]
     blocks: int
 
-    def sums(self, robot: Counts, time: FloatArray, error: FloatArray) -> pd.DataFrame:
-        """Sum and number of errors in each cell; `robot` (n,) index, `time` (n,) s."""
+    def sums(
+        self, robot: Counts, time: FloatArray, stratum: Counts, error: FloatArray
+    ) -> pd.DataFrame:
+        """Sum and number of errors in each cell and stratum; (n,) each, `robot` an index."""
         known = np.isfinite(error)
-        cell = robot * self.blocks + (time / BLOCK_SECONDS).astype(np.int64)
-        size = len(self.robots) * self.blocks
-        number = np.bincount(cell[known], minlength=size)
-        total = np.bincount(cell[known], error[known], size)
-        frame = pd.DataFrame(
+        shape = (len(self.robots), self.blocks, STRATA)
+        block = (time / BLOCK_SECONDS).astype(np.int64)
+        cell = np.ravel_multi_index((robot[known], block[known], stratum[known]), shape)
+        number = np.bincount(cell, minlength=int(np.prod(shape)))
+        total = np.bincount(cell, error[known], len(number))
+        some = np.flatnonzero(number)
+        who, when, which = np.unravel_index(some, shape)
+        return pd.DataFrame(
             {
-                "robot": np.repeat(self.robots, self.blocks),
-                "block": np.tile(np.arange(self.blocks), len(self.robots)),
-                "total": total,
-                "number": number,
+                "robot": np.array(self.robots)[who],
+                "block": when,
+                "stratum": which,
+                "total": total[some],
+                "number": number[some],
             }
         )
-        return frame[frame["number"] > 0]
 
 
 def prediction_errors(
@@ -89,7 +105,8 @@ def prediction_errors(
 
     Returns:
         A row per model, kind (motion, ps, ls, noise, nest), channel, horizon (motion), robot and
-        block of `BLOCK_SECONDS`: `total` of the absolute errors in `unit` and their `number`.
+        block of `BLOCK_SECONDS` and stratum: `total` of the absolute errors in `unit` and their
+        `number`.
     """
     robots = np.unique(log.frame["robot"].to_numpy(dtype=np.int64))
     since = log.t - log.t[log.start[:-1]][log.segment]
@@ -119,7 +136,9 @@ def _motion(
     """Position (m) and heading (rad) at the end of windows from every row, clear of contact where
     windows are short enough for any to be."""
     robot = np.searchsorted(cells.robots, log.frame["robot"].to_numpy(dtype=np.int64))
-    free = clear(conditions(log, plain)) & log.tracked
+    table = conditions(log, plain)
+    free = clear(table) & log.tracked
+    changed = np.cumsum(table["change"].to_numpy())
     replayed = {name: replay_believed(log, motions) for name, motions in believed.items()}
     parts = []
     for horizon, length in HORIZONS.items():
@@ -129,6 +148,9 @@ def _motion(
             pairs = type(pairs)(pairs.first[kept], pairs.last[kept])
         if not len(pairs.first):
             continue
+        before = np.maximum(pairs.first - LAST_ROWS, log.start[:-1][log.segment[pairs.first]])
+        much = (changed[pairs.last] - changed[before]) / max(length, 1.0)
+        stratum = np.searchsorted(CHANGES, much)
         for name, poses in replayed.items():
             error = errors(log.poses, poses, pairs)
             sizes = {
@@ -136,7 +158,7 @@ def _motion(
                 ("heading", "rad"): np.abs(error[:, 2]),
             }
             for (channel, unit), size in sizes.items():
-                sums = cells.sums(robot[pairs.first], since[pairs.first], size)
+                sums = cells.sums(robot[pairs.first], since[pairs.first], stratum, size)
                 labels = {"model": name, "kind": "motion", "channel": channel}
                 parts.append(sums.assign(**labels, horizon=horizon, unit=unit))
     return parts
@@ -159,6 +181,11 @@ def _senses(
         "ps": use[:, :SENSORS] & (expected[:, :SENSORS] > SEEN),
         "ls": use[:, SENSORS:],
     }
+    assert point.tables is not None
+    strata = {
+        "ps": np.searchsorted(COUNTS["ps"], expected[:, :SENSORS]),
+        "ls": np.searchsorted(COUNTS["ls"], point.tables.ls_dark - expected[:, SENSORS:]),
+    }
     parts = []
     for name, file in models.items():
         seen = _askew(believed[name])
@@ -171,7 +198,8 @@ def _senses(
         for kind in kinds:
             for k, channel in enumerate(PS if kind == "ps" else LS):
                 some = judged[kind][:, k]
-                sums = cells.sums(sight.robot[some], sight.time[some], halves[kind][some, k])
+                stratum, size = strata[kind][some, k], halves[kind][some, k]
+                sums = cells.sums(sight.robot[some], sight.time[some], stratum, size)
                 labels = {"model": name, "kind": kind, "channel": channel}
                 parts.append(sums.assign(**labels, horizon="", unit="counts"))
         if "ps" in kinds:
@@ -190,7 +218,9 @@ def _noise(
     """One number per robot: size of the logarithm of the infrared's noise over the expected."""
     residual = np.where(use, (sight.read - counts) / noise(sight, point, beliefs, counts), 0.0)
     wrong = np.abs(noise_scale(sight, residual, counts, use).value)
-    frame = pd.DataFrame({"robot": sight.robots, "block": 0, "total": wrong, "number": 1})
+    frame = pd.DataFrame(
+        {"robot": sight.robots, "block": 0, "stratum": 0, "total": wrong, "number": 1}
+    )
     labels = {"model": name, "kind": "noise", "channel": "infrared noise"}
     return frame[np.isfinite(wrong)].assign(**labels, horizon="", unit="log ratio")
 
@@ -219,7 +249,7 @@ def _nest(
             inside = np.hypot(poses[mine, 0] - x, poses[mine, 1] - y) < radius
             wrong[mine] = inside != seen.inside[mine]
         labels = {"model": name, "kind": "nest", "channel": "nest"}
-        sums = cells.sums(robot, since[rows], wrong)
+        sums = cells.sums(robot, since[rows], np.zeros(len(rows), dtype=np.int64), wrong)
         parts.append(sums.assign(**labels, horizon="", unit="share"))
     return parts
 

@@ -1,7 +1,7 @@
 """From errors by run to gains: means, bootstrap intervals over runs, the share of the gap closed.
 
 The *reducible gap* is what the minimal model gets wrong beyond what it gets wrong of healthy
-robots. It is called closed to the share (before - extended) / (before - healthy).
+robots in like situations. It is closed to the share (before - extended) / (before - healthy).
 """
 
 from __future__ import annotations
@@ -65,6 +65,9 @@ def weigh(table: pd.DataFrame, *, seed: int = 0) -> list[dict[str, Any]]:
             for name, rows in part.groupby("model", sort=False)
             if rows["number"].sum()
         }
+        if HEALTHY in found and BEFORE in found:
+            healthy, judged = (part[part["model"] == name] for name in (HEALTHY, BEFORE))
+            found[HEALTHY] = _alike(healthy, judged, picks)
         if BEFORE in found:
             labels = {"kind": kind, "channel": channel, "horizon": horizon or None}
             number = int(part.loc[part["model"] == BEFORE, "number"].sum())
@@ -97,6 +100,25 @@ def _mean(rows: pd.DataFrame, picks: npt.NDArray[np.int64]) -> Estimate:
     with np.errstate(invalid="ignore", divide="ignore"):
         draws = total[picks].sum(axis=1) / number[picks].sum(axis=1)
     return Estimate(float(total.sum() / number.sum()), draws)
+
+
+def _alike(healthy: pd.DataFrame, judged: pd.DataFrame, picks: npt.NDArray[np.int64]) -> Estimate:
+    """Mean error of healthy robots in situations as frequent as they are for the robots judged.
+
+    Situations in which no healthy robot was are left out.
+    """
+    weight = judged.groupby("stratum")["number"].sum()
+    parts = dict(iter(healthy.groupby("stratum")))
+    means = [_mean(rows, picks) for rows in parts.values()]
+    share = np.array([weight.get(stratum, 0) for stratum in parts], dtype=float)
+    if not share.any():
+        return _mean(healthy, picks)
+    draws = np.array([one.draws for one in means])
+    known = np.where(np.isfinite(draws), share[:, None], 0.0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        drawn = (known * np.nan_to_num(draws)).sum(axis=0) / known.sum(axis=0)
+    value = float(share @ np.array([one.value for one in means]) / share.sum())
+    return Estimate(value, drawn)
 
 
 def _of(found: dict[str, Estimate]) -> dict[str, Any]:

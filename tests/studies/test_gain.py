@@ -81,7 +81,7 @@ def test_every_model_is_asked_the_same() -> None:
     log = make_log(recording(3, "a"), drive=Drive())
     models = {BEFORE: EPUCK, EXTENDED: with_causes(ratio(1.05))}
     table = prediction_errors(log, models, TABLES)
-    keys = ["kind", "channel", "horizon", "robot", "block"]
+    keys = ["kind", "channel", "horizon", "robot", "block", "stratum"]
     numbers = table.set_index([*keys, "model"])["number"].unstack("model")
     assert (numbers[BEFORE] == numbers[EXTENDED]).all()
 
@@ -105,7 +105,24 @@ def table_of(errors: dict[str, list[float]]) -> pd.DataFrame:
         for k, e in enumerate(values)
     ]
     labels = {"kind": "motion", "channel": "position", "horizon": "1 s", "unit": "m"}
-    return pd.DataFrame(rows).assign(**labels)
+    return pd.DataFrame(rows).assign(stratum=0, **labels)
+
+
+def test_healthy_robots_are_taken_in_situations_as_frequent_as_the_others() -> None:
+    """A robot that turns three quarters of its time, healthy ones that turn a quarter of theirs."""
+    situations = [(BEFORE, 0, 1.0, 25), (BEFORE, 1, 9.0, 75), (HEALTHY, 0, 1.0, 75)]
+    situations += [(HEALTHY, 1, 9.0, 25), (EXTENDED, 0, 1.0, 25), (EXTENDED, 1, 9.0, 75)]
+    rows = [
+        {"model": model, "run": str(run), "robot": 0, "block": 0, "stratum": stratum}
+        | {"total": error * number, "number": number}
+        for model, stratum, error, number in situations
+        for run in range(5)
+    ]
+    labels = {"kind": "motion", "channel": "position", "horizon": "1 s", "unit": "m"}
+    found = entry(weigh(pd.DataFrame(rows).assign(**labels)), "position", "1 s")
+    assert found[BEFORE]["value"] == pytest.approx(7.0)
+    assert found[HEALTHY]["value"] == pytest.approx(7.0)
+    assert found["closed"] is None
 
 
 def test_the_share_closed_is_of_what_is_beyond_healthy_robots() -> None:
