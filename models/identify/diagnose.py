@@ -10,6 +10,7 @@ from embedded_sim.model import FloatArray
 from models.causes import Motion, causes
 from models.causes.motor_dead_zone import least_seen
 from models.diagnosis import Diagnosis, Gain
+from models.identify.beside import standing
 from models.identify.leftover import leftover
 from models.identify.predict import poses
 from models.identify.structure import Follow, follows
@@ -62,12 +63,13 @@ def diagnose(
     believed = [model.motion(robot) for robot in tracks.robots]
     healthy = no_reference(model.name, model.motion().drive) if reference is None else reference
     found = identify(tracks, healthy, believed)
-    gain = _gain(tracks, believed, found, np.random.default_rng(seed))
     structure = follows(tracks, found.explained)
+    left = leftover(tracks, structure, found, healthy)
+    found = standing(tracks, found, structure, left, healthy)
     diagnosis = Diagnosis(
         named=found.named,
-        unexplained=leftover(tracks, structure, found, healthy),
-        gain=gain,
+        unexplained=left,
+        gain=_gain(tracks, believed, found, np.random.default_rng(seed)),
         not_checked=_not_checked(tracks, reference),
         notes=log.notes,
         robots=tracks.robots,

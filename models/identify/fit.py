@@ -249,7 +249,7 @@ class Problem:
             )
         jacobian = self.jacobian(terms, here, residual)
         curvature, _, (slopes, bends) = self._normal(residual, jacobian)
-        inverse = np.linalg.inv(_ridged(curvature))
+        inverse = np.linalg.inv(ridged(curvature))
         covariance = inverse @ self._meat(slopes) @ inverse
         plain = np.einsum("gpp->gp", inverse)
         sand = np.einsum("gpp->gp", covariance)
@@ -294,14 +294,14 @@ class Problem:
             out = fold == k
             less = curvature - self.by_group(bends * out[:, None, None])
             pull = self.by_group(slopes * out[:, None])
-            step = np.linalg.solve(_ridged(less), pull[:, :, None])[:, :, 0]
+            step = np.linalg.solve(ridged(less), pull[:, :, None])[:, :, 0]
             rows = out[window]
             mine = self.window_group[window[rows]]
             moved[rows] = np.einsum("ncp,np->nc", jacobian[rows], step[mine])
         return moved
 
 
-def _ridged(curvature: FloatArray) -> FloatArray:
+def ridged(curvature: FloatArray) -> FloatArray:
     """Curvature made invertible where a parameter has no effect at all."""
     p = curvature.shape[1]
     diagonal = np.einsum("gpp->gp", curvature)
@@ -315,4 +315,4 @@ def _solve(curvature: FloatArray, gradient: FloatArray, damping: FloatArray) -> 
     p = curvature.shape[1]
     diagonal = np.einsum("gpp->gp", curvature)
     damped = curvature + damping[:, None, None] * diagonal[:, :, None] * np.eye(p)
-    return np.asarray(np.linalg.solve(_ridged(damped), gradient[:, :, None])[:, :, 0])
+    return np.asarray(np.linalg.solve(ridged(damped), gradient[:, :, None])[:, :, 0])

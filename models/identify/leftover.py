@@ -6,9 +6,13 @@ import numpy as np
 
 from embedded_sim.model import FloatArray
 from models.diagnosis import Unexplained
+from models.identify.consistency import PARTS
+from models.identify.fit import Problem
+from models.identify.select import Mimic
 from models.identify.structure import CHANNELS, QUANTITIES, Follow, pool
 from models.identify.swarm import Identified
 from models.identify.tracks import Tracks
+from models.identify.wild import Wild, wild
 from models.reference import UNKNOWN, Reference
 
 MENDED = 0.05
@@ -20,7 +24,7 @@ LEAST_SWARM = 3
 def leftover(
     tracks: Tracks, found: list[Follow], identified: Identified, reference: Reference
 ) -> tuple[Unexplained, ...]:
-    """The most conspicuous leftover of the swarm, or of each robot.
+    """The most conspicuous leftover of the swarm, or of each robot, or else what mimics a cause.
 
     Args:
         tracks: The log's.
@@ -29,8 +33,6 @@ def leftover(
         reference: What healthy robots show.
     """
     usable = [one for one in found if reference.health(one.key) is not None]
-    if not usable:
-        return ()
     named = np.zeros(len(tracks.robots))
     for one in identified.named:
         share = one.evidence.gain / len(one.robots)
@@ -44,10 +46,45 @@ def leftover(
     gates = np.array([_gate(one, reference) for one in usable])
     result = []
     for k, robot in enumerate(tracks.robots):
+        aside = wild(Problem(tracks.only([k]), [identified.explained[k]]))
+        if aside is not None:
+            result.append(_set_aside(aside, robot))
+            continue
         best = int(np.argmax(far[:, k] / gates))
         if far[best, k] > gates[best]:
             result.append(_said(usable[best], (robot,), far[best, k], float(gain[best, k]), tracks))
+        elif k in identified.mimics:
+            worst = max(identified.mimics[k], key=lambda mimic: mimic.gain)
+            result.append(_mimicked(worst, robot, tracks))
     return tuple(result)
+
+
+def _set_aside(found: Wild, robot: int) -> Unexplained:
+    """What no fit comes near, in words."""
+    return Unexplained(
+        channel="speed",
+        share=found.inside,
+        where=f"it moves quite unlike the model {PARTS[found.part]}, in "
+        f"{100 * found.inside:.0f} % of that time ({100 * found.outside:.0f} % elsewhere)",
+        quantity=found.part,
+        robots=(robot,),
+        distance=found.more / max(found.error, 1e-3),
+    )
+
+
+def _mimicked(mimic: Mimic, robot: int, tracks: Tracks) -> Unexplained:
+    """What half looks like a cause, where no measured quantity says it better."""
+    evidence, found = mimic.evidence, mimic.misfit
+    return Unexplained(
+        channel=found.channel,
+        share=evidence.share,
+        where=f"{CHANNELS[found.channel]} {PARTS[found.part]}: "
+        f"as with {evidence.term.cause.name}, but {found.inside:.2g} times as much there and "
+        f"{found.outside:.2g} times elsewhere",
+        quantity=found.part,
+        robots=(robot,),
+        distance=abs(found.inside - found.outside) / found.error,
+    )
 
 
 def _swarm(

@@ -8,6 +8,7 @@ stays within that spread is how healthy robots differ: it is kept in the fit, un
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
@@ -15,9 +16,11 @@ from scipy import stats
 from embedded_sim import Diverged
 from embedded_sim.model import FloatArray
 from models.identify.candidates import starts
+from models.identify.consistency import Misfit, misfit
 from models.identify.fit import Fit, Problem, Term
 from models.identify.measure import distance, jump
 from models.identify.screen import glance
+from models.identify.separable import inseparable
 from models.identify.value import bracket
 from models.reference import Reference
 
@@ -39,6 +42,9 @@ ANY = 0.01
 """Of the whole set's gain that any term needs: no model of a cause is exact."""
 CLEARLY = 0.2
 """Of a term's gain that a rival may not miss, however few blocks it is lost in."""
+BESIDE = 0.5
+"""Of the gain of what is unknown in a robot that a name beside it needs: what half describes the
+unknown would be named, too. Our choice."""
 RIVAL_SHARE = 0.3
 """Of the gain that a term needs to be looked at as a rival."""
 
@@ -66,15 +72,27 @@ class Evidence:
     """Held-out deviance that every term fitted at its turn took off, best first."""
 
 
+class Mimic(NamedTuple):
+    """A term that helps, and where it does not fit."""
+
+    evidence: Evidence
+    misfit: Misfit
+    gain: float
+    """Held-out deviance of one robot."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Choice:
     """What was chosen for a group of robots."""
 
+    problem: Problem
     named: tuple[Evidence, ...]
     fit: Fit
     """With every term kept, named or not."""
     before: Fit
     """Without any term."""
+    mimics: tuple[Mimic, ...] = ()
+    """Terms that help and do not fit: they mimic something that is not in the catalogue."""
 
 
 def choose(problem: Problem, reference: Reference, *, swarm: bool = False) -> Choice:
@@ -96,7 +114,7 @@ def choose(problem: Problem, reference: Reference, *, swarm: bool = False) -> Ch
     for judge in (search.beyond, search.strong):
         for term in search.kin(kept, judge(before, kept)):
             kept = search.without(kept, term)
-    strong = search.strong(before, kept)
+    strong, mimics = search.fitting(kept, search.strong(before, kept))
     nuisance = [t for t in kept.terms if t not in [one.term for one in strong]]
     named = [
         replace(
@@ -106,7 +124,7 @@ def choose(problem: Problem, reference: Reference, *, swarm: bool = False) -> Ch
         )
         for one in strong
     ]
-    return Choice(named=tuple(named), fit=kept, before=before)
+    return Choice(problem=problem, named=tuple(named), fit=kept, before=before, mimics=mimics)
 
 
 def _ranked(gains: dict[Term, float]) -> tuple[tuple[str, float], ...]:
@@ -157,6 +175,24 @@ class _Search:
         """Evidence of the terms that are beyond health."""
         found = [self.evidence(kept, term) for term in kept.terms]
         return [one for one in found if one is not None]
+
+    def fitting(
+        self, kept: Fit, strong: list[Evidence]
+    ) -> tuple[list[Evidence], tuple[Mimic, ...]]:
+        """The evidence of terms that fit, and those that do not.
+
+        Beside what only mimics something unknown, a weaker term may mend what the mimic leaves.
+        """
+        mimics = []
+        for one in strong:
+            found = misfit(self.problem, kept, one.term)
+            if found is not None:
+                mimics.append(Mimic(one, found, one.gain / len(self.problem.tracks.robots)))
+        poor = [mimic.evidence.term for mimic in mimics]
+        unknown = max((mimic.evidence.gain for mimic in mimics), default=0.0)
+        return [
+            one for one in strong if one.gain > BESIDE * unknown and one.term not in poor
+        ], tuple(mimics)
 
     def kin(self, kept: Fit, strong: list[Evidence]) -> list[Term]:
         """Unnamed terms of the named ones' families: they mend what a rough model leaves."""
@@ -283,6 +319,7 @@ class _Search:
                 and self._alone(kept, fit, nuisance)
             ):
                 found.append(other)
+        found += [t for t in inseparable(self.problem, kept, term) if t not in found]
         return tuple(found)
 
     def _alone(self, kept: Fit, rival: Fit, nuisance: list[Term]) -> bool:

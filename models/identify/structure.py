@@ -24,6 +24,7 @@ CHANNELS = {
     "speed": "it drives faster or slower",
     "bend": "its path bends",
     "turn_rate": "it turns faster or slower",
+    "aside": "it slides sideways",
 }
 """What may follow a quantity, in words."""
 
@@ -43,15 +44,20 @@ QUANTITIES = {
     "wall": "how near the wall is",
     "neighbour": "how near the next robot is",
     "change": "how much the command has just changed",
+    "start": "whether it has just been told to leave rest",
     "food": "whether it carries or is on food",
     "nest": "whether it is in the nest",
 }
 """What it may follow, in words."""
 
+PERIODIC = (" sin", " cos")
+"""Parts of a quantity that is an angle."""
 NEAR = 0.1
 """m: scale on which nearness to walls and robots counts."""
 RECENT = 0.2
 """s: scale on which a change of command is recent."""
+STARTED = 1.0
+"""s: scale on which a start from rest is recent."""
 
 
 class Follow(NamedTuple):
@@ -95,6 +101,29 @@ def follows(tracks: Tracks, motions: Sequence[Motion]) -> list[Follow]:
     return found
 
 
+def columns(tracks: Tracks, motions: Sequence[Motion], wanted: str) -> list[FloatArray]:
+    """(n, 3) changes of the errors per unit of each flexible term of one quantity.
+
+    Sines and cosines are about their own zero: what follows a direction has one, whichever way a
+    robot happened to face most.
+    """
+    problem = Problem(tracks, motions)
+    predicted = poses(tracks, motions)
+    step = _Steps(tracks, predicted)
+    found = []
+    for (quantity, part), values in _quantities(tracks, motions).items():
+        if quantity != wanted:
+            continue
+        q = values[tracks.rows] if part in PERIODIC else _standardised(problem, values[tracks.rows])
+        if q is not None:
+            changes = [step.change(channel, q) for channel in CHANNELS]
+            found += [
+                problem.fitter.derivative(predicted[:, :2], change, predicted[:, 2])
+                for change in changes
+            ]
+    return found
+
+
 class _Steps:
     """The predicted path from row to row within windows."""
 
@@ -109,16 +138,19 @@ class _Steps:
 
     def change(self, channel: str, q: FloatArray) -> FloatArray:
         """(n, 3) change of the predicted poses per unit of a term whose strength follows q."""
-        ahead, turn = np.zeros_like(q), np.zeros_like(q)
+        ahead, aside, turn = np.zeros_like(q), np.zeros_like(q), np.zeros_like(q)
         if channel == "speed":
             ahead = q * self._ahead
+        elif channel == "aside":
+            aside = q * self._ahead
         elif channel == "bend":
             turn = q * np.abs(self._ahead) / 0.1  # rad per 100 mm driven
         else:
             turn = q * self._turn
         swing = self._sum(turn)
-        x = self._sum(self._cos * ahead - self._sin * self._ahead * swing)
-        y = self._sum(self._sin * ahead + self._cos * self._ahead * swing)
+        across = aside + self._ahead * swing
+        x = self._sum(self._cos * ahead - self._sin * across)
+        y = self._sum(self._sin * ahead + self._cos * across)
         return np.column_stack([x, y, swing])
 
     def _sum(self, values: FloatArray) -> FloatArray:
@@ -134,9 +166,9 @@ def _quantities(tracks: Tracks, motions: Sequence[Motion]) -> dict[tuple[str, st
     bearing = np.arctan2(y, x)
     angle = wheel_angles(tracks, motions)
     speed, turn = about["speed"], about["turn"]
-    changed = np.flatnonzero(about["change"] > 0.0)
-    last = np.searchsorted(changed, np.arange(len(tracks.t)), side="right") - 1
-    since = np.where(last >= 0, tracks.t - tracks.t[changed[last.clip(0)]], np.inf)
+    changed = np.append(-1, np.flatnonzero(about["change"] > 0.0))
+    last = changed[np.searchsorted(changed, np.arange(len(tracks.t)), side="right") - 1]
+    since = np.where(last >= 0, tracks.t - tracks.t[last], np.inf)
     values = {
         ("heading", " sin"): np.sin(heading),
         ("heading", " cos"): np.cos(heading),
@@ -157,6 +189,7 @@ def _quantities(tracks: Tracks, motions: Sequence[Motion]) -> dict[tuple[str, st
         ("right_wheel_angle", " cos"): np.cos(angle[:, 1]),
         ("neighbour", ""): np.exp(-about["near_robot"].clip(0.0) / NEAR),
         ("change", ""): np.exp(-np.maximum(since, 0.0) / RECENT),
+        ("start", ""): np.exp(-tracks.since_start / STARTED),
     }
     if "near_wall" in about:
         values["wall", ""] = np.exp(-about["near_wall"].clip(0.0) / NEAR)

@@ -13,7 +13,7 @@ from models.causes import Motion
 from models.identify.fit import Problem, Term, Terms
 from models.identify.measure import strength
 from models.identify.screen import Glance, glance
-from models.identify.select import Choice, Evidence, choose
+from models.identify.select import Choice, Evidence, Mimic, choose
 from models.identify.tracks import Tracks
 from models.identify.twins import tell_apart
 from models.identify.value import Value, bracket, values
@@ -56,11 +56,15 @@ class Identified:
     base: tuple[Motion, ...]
     """(robots,) healthy motion of each robot."""
     explained: tuple[Motion, ...]
-    """(robots,) motion with every term kept."""
+    """(robots,) motion with every term kept, but for mimics."""
     looked_at: Robots
     """Ids of the robots that were worth full fits."""
     choices: dict[int, Choice]
     """Each such robot's selection, by index into the tracks' robots."""
+    shared: Choice | None
+    """The selection for the robots that share something."""
+    mimics: dict[int, tuple[Mimic, ...]]
+    """By the same index, causes that only mimic something unknown."""
 
 
 def identify(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -> Identified:
@@ -75,30 +79,32 @@ def identify(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
     seen = glance(Problem(tracks, base))
     named: list[Named] = []
     explained = list(base)
+    mimics: dict[int, tuple[Mimic, ...]] = {}
+    shared = None
     sharing = _sharing(tracks, seen, reference)
     if sharing is not None:
         found = _swarm(tracks, base, reference, sharing)
         if found is not None:
-            named, shared = found
-            explained = shared
+            named, explained, shared = found
+            mimics = dict.fromkeys(np.flatnonzero(sharing).tolist(), shared.mimics)
             seen = glance(Problem(tracks, explained))
     choices = {}
     for k in _suspects(tracks, seen, reference):
         alone = Problem(tracks.only([k]), [explained[k]])
         choice = choose(alone, reference)
-        if choice.named:
-            new, motion = _names(alone, choice, reference, swarm=False)
-            named += new
-            explained[k] = motion[0]
-        elif choice.fit.terms:
-            explained[k] = alone.motions(choice.fit.terms, choice.fit.coordinates)[0]
-        choices[int(k)] = choice
+        new, motion = _names(alone, choice, reference, swarm=False)
+        named += new
+        explained[k] = motion[0]
+        mimics[k] = mimics.get(k, ()) + choice.mimics
+        choices[k] = choice
     return Identified(
         named=tuple(named),
         base=tuple(base),
         explained=tuple(explained),
         looked_at=tuple(tracks.robots[k] for k in choices),
         choices=choices,
+        shared=shared,
+        mimics={k: found for k, found in mimics.items() if found},
     )
 
 
@@ -107,19 +113,23 @@ def _swarm(
     base: Sequence[Motion],
     reference: Reference,
     sharing: npt.NDArray[np.bool_],
-) -> tuple[list[Named], list[Motion]] | None:
-    """Names shared by the swarm, and each robot's motion with them; None where there are none."""
+) -> tuple[list[Named], list[Motion], Choice] | None:
+    """Names shared by the swarm, each robot's motion with them, and the selection behind them.
+
+    None where nothing is shared.
+    """
     chosen = np.flatnonzero(sharing).tolist()
     some = tracks.only(chosen)
     problem = Problem(some, [base[k] for k in chosen], groups=np.zeros(len(chosen), dtype=int))
     choice = choose(problem, reference, swarm=True)
-    if not choice.named or not all(_common(problem, choice, one) for one in choice.named):
+    said = [*choice.named, *(mimic.evidence for mimic in choice.mimics)]
+    if not said or not all(_common(problem, choice, one) for one in said):
         return None
     named, motions = _names(problem, choice, reference, swarm=bool(sharing.all()))
     explained = list(base)
     for k, motion in zip(chosen, motions, strict=True):
         explained[k] = motion
-    return named, explained
+    return named, explained, choice
 
 
 def _common(problem: Problem, choice: Choice, evidence: Evidence) -> bool:
@@ -173,7 +183,11 @@ def _names(
                 twins=twins.others,
             )
         )
-    return named, problem.motions(fit.terms, fit.coordinates)
+    poor = {mimic.evidence.term for mimic in choice.mimics}
+    terms = tuple(term for term in fit.terms if term not in poor)
+    columns = [np.r_[fit.part(term)] for term in terms]
+    kept = fit.coordinates[:, np.concatenate([np.r_[0:0], *columns])]
+    return named, problem.motions(terms, kept)
 
 
 def _converted(sd: FloatArray, twin: Term) -> FloatArray:

@@ -69,9 +69,23 @@ class Tracks:
         return np.repeat(np.arange(len(self.first)), np.diff(np.append(self.first, len(self.rows))))
 
     @property
+    def row_segment(self) -> Rows:
+        """(rows,) segment of each row."""
+        return np.repeat(np.arange(len(self.start) - 1), np.diff(self.start))
+
+    @property
     def row_robot(self) -> Rows:
         """(rows,) index into `robots`."""
-        return np.repeat(self.segment_robot, np.diff(self.start))
+        return self.segment_robot[self.row_segment]
+
+    @property
+    def since_start(self) -> FloatArray:
+        """(rows,) s since the robot was last told to leave rest, or its run began."""
+        moving = np.any(self.commands != 0.0, axis=1)
+        started = moving & ~np.append(False, moving[:-1])
+        started[self.start[:-1]] = True
+        at = np.flatnonzero(started)
+        return np.asarray(self.t - self.t[at[np.cumsum(started) - 1]])
 
     @property
     def robot(self) -> Rows:

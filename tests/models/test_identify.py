@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim import Drive
+from embedded_sim import Drive, replay
 from models.causes import Motion, causes
 from models.diagnosis import Diagnosis, alternatives, as_json
 from models.identify.diagnose import diagnose
@@ -192,3 +192,54 @@ def test_early_poses_are_replayed_exactly() -> None:
     # what is stamped a row too early is where the robot will be a row later, once it moves
     apart = np.diff(early[:-1][row][:, 2]) - np.diff(now[1:][row][:, 2])
     assert np.abs(apart[50:]).max() < 1e-9
+
+
+def manoeuvre(
+    commands: np.ndarray, seed: int, *, drive: Drive, dead: float = 0.0, step: float = 0.04
+) -> pd.DataFrame:
+    """One robot's log of given commands; for `dead` s after a start from rest it does not move."""
+    rows = len(commands)
+    t = step * np.arange(rows)
+    still = ~commands.any(axis=1)
+    started = np.flatnonzero(~still & np.append(True, still[:-1]))
+    given = commands.copy()
+    for row in started:
+        given[row : row + round(dead / step)] = 0.0
+    driven = replay(t, given, [0, rows], np.zeros((1, 3)), drive=drive).poses
+    seen = driven + np.random.default_rng(seed).normal(0, 1, (rows, 3)) * [5e-4, 5e-4, 5e-3]
+    columns = dict(zip(("x", "y", "yaw"), seen.T, strict=True))
+    columns |= dict(zip(("cmd_left", "cmd_right"), commands.T, strict=True))
+    return pd.DataFrame({"run": f"r{seed}", "robot": 0, "t": t, **columns})
+
+
+def test_a_dead_time_at_starts_is_not_named_after_a_cause_that_half_resembles_it() -> None:
+    rng = np.random.default_rng(18)
+    drives = np.repeat(rng.uniform(1.5, 6.0, (40, 2)), 50, axis=0).reshape(40, 50, 2)
+    rests = np.zeros((40, 12, 2))
+    commands = np.concatenate([rests, drives], axis=1).reshape(-1, 2)
+    found = diagnosed(manoeuvre(commands, 18, drive=HEALTHY, dead=0.45))
+    assert found.verdict == "unexplained"
+    assert not names(found)
+    assert found.unexplained[0].quantity == "start"
+
+
+def test_circles_do_not_tell_the_axle_from_wheels_of_two_sizes() -> None:
+    wide = replace(HEALTHY, axle=0.056)
+    runs = [
+        manoeuvre(np.tile([2.0, 4.0][:: 1 - 2 * (k % 2)], (700, 1)), k, drive=wide)
+        for k in range(4)
+    ]
+    found = diagnosed(pd.concat(runs, ignore_index=True))
+    assert found.verdict == "ambiguous"
+    assert names(found) == [("wheel_separation", (0,))]
+    assert alternatives(found.named[0]) == ["wheel_radius_mismatch"]
+
+
+def test_beside_an_unknown_drift_of_all_only_the_true_fault_is_named() -> None:
+    frame = table(19, {1: replace(HEALTHY, axle=0.0536)})
+    frame["x"] += 0.004 * frame["t"]  # speed and slip follow the way they face
+    found = diagnosed(frame)
+    assert found.verdict == "unexplained"
+    assert found.unexplained[0].robots == "all"
+    assert found.unexplained[0].quantity == "heading"
+    assert names(found) == [("wheel_separation", (1,))]

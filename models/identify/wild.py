@@ -1,0 +1,65 @@
+"""Windows that nothing comes near: robust fits set them aside, so that no fit speaks of them.
+
+A few are a tracker's. Where most of them lie in one part of what a robot does, such as its starts,
+the robot does something there that no cause describes.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from models.identify.consistency import LEAST_BLOCKS, parts
+from models.identify.fit import Problem
+
+FAR = 6.0
+"""Robust standard deviations of a robot's errors beyond which a row is wild."""
+ROWS = 0.25
+"""Of a window's rows that make it wild: a tracker's jump is shorter."""
+MORE = 0.25
+"""Share of wild windows that a part must have more than the rest; healthy runs have none."""
+SURE = 3.0
+"""Standard errors of the same, from the number of blocks."""
+
+
+class Wild(NamedTuple):
+    """The part of what a robot does in which its windows are wild most of all."""
+
+    part: str
+    """Of `models.identify.consistency.PARTS`."""
+    inside: float
+    """Share of wild windows there."""
+    outside: float
+    error: float
+    """Standard error of the difference, by blocks."""
+
+    @property
+    def more(self) -> float:
+        """Share of wild windows beyond the rest of the log."""
+        return self.inside - self.outside
+
+
+def wild(problem: Problem) -> Wild | None:
+    """Where one robot's windows are wild; None: nowhere in particular.
+
+    Args:
+        problem: Of one robot, its base being everything that explains it.
+    """
+    tracks = problem.tracks
+    errors = problem.residual((), np.zeros((problem.count, 0)))
+    far = (np.abs(errors / problem.spread(errors)[0]) > FAR).any(axis=1)
+    count = np.diff(np.append(tracks.first, len(tracks.rows)))
+    out = np.add.reduceat(far.astype(np.float64), tracks.first) / count > ROWS
+    found = []
+    for name, inside in parts(tracks).items():
+        blocks = [np.unique(tracks.block[side]) for side in (inside, ~inside)]
+        if min(len(one) for one in blocks) < LEAST_BLOCKS:
+            continue
+        there, elsewhere = float(out[inside].mean()), float(out[~inside].mean())
+        error = np.sqrt(
+            there * (1.0 - there) / len(blocks[0]) + elsewhere * (1.0 - elsewhere) / len(blocks[1])
+        )
+        found.append(Wild(name, there, elsewhere, float(error)))
+    clear = [one for one in found if one.more > max(MORE, SURE * one.error)]
+    return max(clear, key=lambda one: one.more, default=None)
