@@ -42,6 +42,9 @@ class Parameter:
     doubt: float = 0.0
     """Standard error of what the point model's term is worth in the physical unit, relative to the
     coordinate: a rigid body on a floor is not exactly a point on two wheels."""
+    doubt_beside: float = 0.0
+    """Standard error of the coordinate where another cause of the family is named with it: what
+    one loses the other gains."""
 
     @property
     def zero(self) -> float:

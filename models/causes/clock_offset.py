@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from embedded_sim.model import FloatArray
 from models.causes.cause import Cause, Parameter
+from models.causes.command_latency import LAGGING
 from models.causes.motion import Motion
 
 
@@ -16,7 +17,17 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
 CAUSE = Cause(
     name="clock_offset",
     meaning="the tracker's clock is offset from the robots': poses are stamped late (early if < 0)",
-    parameters=(Parameter(name="seconds", unit="s", null=0.0, low=-1.0, high=1.0, step=1e-3),),
+    parameters=(
+        Parameter(
+            name="seconds",
+            unit="s",
+            null=0.0,
+            low=-1.0,
+            high=1.0,
+            step=1e-3,
+            doubt_beside=LAGGING,
+        ),
+    ),
     change=_change,
     family="transient",
     confusable_with=("command_latency",),

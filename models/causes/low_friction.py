@@ -12,7 +12,7 @@ from models.causes.motion import Motion
 
 FRICTION = 1.2
 """Of an e-puck's rubber tyre on the floor. Our choice."""
-TRACTION = 260.0
+TRACTION = 290.0
 """rad/s^2 of 20.5 mm wheels per unit of friction: three quarters of g times the wheels' share of
 the weight (0.73, the centre of mass being 8 mm ahead of the axle and the skid 30 mm) over the
 radius, because wheels that slip also slide sideways."""

@@ -170,6 +170,7 @@ def _names(
                 problem.tracks.commands,
                 mean,
                 sd,
+                beside=any(_kin(evidence, other) for other in choice.named),
             )
         else:
             told = (_threshold(problem, fit.terms, fit.coordinates, at.start, twins.chosen),)
@@ -188,6 +189,12 @@ def _names(
     columns = [np.r_[fit.part(term)] for term in terms]
     kept = fit.coordinates[:, np.concatenate([np.r_[0:0], *columns])]
     return named, problem.motions(terms, kept)
+
+
+def _kin(one: Evidence, other: Evidence) -> bool:
+    """Whether two causes are different ones of one family."""
+    family = one.term.cause.family
+    return one is not other and bool(family) and other.term.cause.family == family
 
 
 def _converted(sd: FloatArray, twin: Term) -> FloatArray:
