@@ -23,8 +23,9 @@ import pandas as pd
 import typer
 
 from embedded_sim.probes import PREFIX
-from models.schema import ENCODERS
-from studies.diagnosis_files import diagnose_files
+from models.diagnosis import as_json
+from models.schema import ENCODERS, LS, PS
+from studies.diagnosis_files import examine
 from studies.diagnosis_request import Request
 from studies.experiment import RunConfig, simulate
 
@@ -42,7 +43,7 @@ class Pair:
     controller: str = "search"
     case: str = "light-at-nest"
     minutes: float = 2.0
-    robots: int = 5
+    robots: int = 3
     lacks: tuple[str, ...] = ()
     """Columns that the first log is without."""
 
@@ -64,15 +65,17 @@ PAIRS: Mapping[str, Pair] = {
             "weak_motor": _even("weak_motor", "torque", 0.0015, 0.003),
             "low_friction": _even("low_friction", "friction", 0.08, 0.2),
         },
+        minutes=1.0,
         lacks=ENCODERS,
     ),
     "latency or clock": Pair(
-        why="no encoders",
+        why="neither encoders nor sensors",
         hide={
             "command_latency": _even("command_latency", "seconds", 0.03, 0.08),
             "clock_offset": _even("clock_offset", "seconds", 0.03, 0.08),
         },
-        lacks=ENCODERS,
+        minutes=1.0,
+        lacks=(*ENCODERS, *PS, *LS),
     ),
     "droop or radius": Pair(
         why="half a minute: a loss of speed does not show as one that grows",
@@ -89,7 +92,6 @@ PAIRS: Mapping[str, Pair] = {
             "wall_albedo": _even("wall_albedo", "scale", 1.2, 1.4, None),
         },
         minutes=1.0 / 3.0,
-        robots=3,
     ),
     "nest moved or larger": Pair(
         why="three robots for fifteen seconds: the nest's edge is crossed on one side",
@@ -98,7 +100,6 @@ PAIRS: Mapping[str, Pair] = {
             "nest_radius": _even("nest_radius", "scale", 1.05, 1.12, None),
         },
         minutes=0.25,
-        robots=3,
     ),
 }
 """By name."""
@@ -115,7 +116,7 @@ def trial(name: str, truth: str, seed: int) -> dict[str, Any]:
         _record(pair, pair.controller, pair.case, pair.minutes, spec, first, alone)
         if pair.lacks:
             pd.read_parquet(alone).drop(columns=list(pair.lacks)).to_parquet(alone, index=False)
-        before = _answer((alone,), room / "before")
+        before = _answer(alone)
         result = {
             "pair": name,
             "truth": truth,
@@ -134,7 +135,7 @@ def trial(name: str, truth: str, seed: int) -> dict[str, Any]:
         case = "no-light" if following["lamp"] == "off" else pair.case
         also = room / "second.parquet"
         _record(pair, PREFIX + following["name"], case, 2.0, spec, second, also)
-        after = _answer((alone, also), room / "after")
+        after = _answer(alone, also)
         right = (
             after["verdict"] == "named"
             and [cause["name"] for cause in after["causes"]] == [truth]
@@ -175,10 +176,9 @@ def _record(
     shutil.rmtree(run)
 
 
-def _answer(logs: tuple[Path, ...], out: Path) -> dict[str, Any]:
-    diagnose_files(Request(logs=logs), out)
-    answer: dict[str, Any] = json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
-    return answer
+def _answer(*logs: Path) -> dict[str, Any]:
+    """What `diagnosis.json` would hold."""
+    return as_json(examine(Request(logs=logs))[1].diagnosis)
 
 
 def _concerned(spec: str) -> list[int] | str:

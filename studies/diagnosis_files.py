@@ -21,7 +21,7 @@ from models.modelfile import ModelFile, find_model_file, read_model_file
 from models.proposal.propose import with_proposal
 from models.reference import Reference, read_reference, shipped_reference
 from models.repertoire import manoeuvres
-from models.senses.joined import with_senses
+from models.senses.joined import WholeExamination, with_senses
 from models.senses.reference import (
     SenseReference,
     beside,
@@ -40,23 +40,10 @@ def diagnose_files(request: Request, out: Path, *, force: bool = False) -> Diagn
     """Diagnose and write everything into a new directory.
 
     Raises:
-        InputError: a log, model, reference or name of a cause cannot be used.
+        InputError: as `examine`.
     """
-    for name in request.without:
-        if name not in every_cause():
-            raise InputError("--without", repr(name), nearest(name, every_cause()))
-    path = find_model_file(request.model)
-    model = read_model_file(path)
-    log = read_logs(request.logs, model)
-    scripted = manoeuvres(log)
-    healthy = _reference(request.reference, model, scripted)
-    tables = None if model.sensors is None else load_tables(path.parent / model.sensors.tables)
-    senses = _sense_reference(request.reference, model, scripted)
-    with without(request.without):
-        motion = diagnose(log, model, healthy, seed=request.seed, name=path.name)
-        examined = with_senses(motion, log, tables, senses, seed=request.seed)
-        examined = with_proposal(examined, tables)
-    found = examined.diagnosis
+    log, examined = examine(request)
+    path, model, found = find_model_file(request.model), examined.model, examined.diagnosis
     named = extension(found, log_hash=_hash(request.logs), command=request.command)
     from studies.diagnosis_report import write_report
 
@@ -72,6 +59,28 @@ def diagnose_files(request: Request, out: Path, *, force: bool = False) -> Diagn
         write_extended(model, path, named, part)
         write_report(examined, part / "report.html", command=request.command, following=following)
     return found
+
+
+def examine(request: Request) -> tuple[MeasuredLog, WholeExamination]:
+    """The logs as one, and all that is said about them.
+
+    Raises:
+        InputError: a log, model, reference or name of a cause cannot be used.
+    """
+    for name in request.without:
+        if name not in every_cause():
+            raise InputError("--without", repr(name), nearest(name, every_cause()))
+    path = find_model_file(request.model)
+    model = read_model_file(path)
+    log = read_logs(request.logs, model)
+    scripted = manoeuvres(log)
+    healthy = _reference(request.reference, model, scripted)
+    tables = None if model.sensors is None else load_tables(path.parent / model.sensors.tables)
+    senses = _sense_reference(request.reference, model, scripted)
+    with without(request.without):
+        motion = diagnose(log, model, healthy, seed=request.seed, name=path.name)
+        examined = with_senses(motion, log, tables, senses, seed=request.seed)
+        return log, with_proposal(examined, tables)
 
 
 def read_logs(paths: Sequence[Path], model: ModelFile) -> MeasuredLog:
