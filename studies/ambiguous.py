@@ -80,8 +80,8 @@ PAIRS: Mapping[str, Pair] = {
     "droop or radius": Pair(
         why="twelve seconds: a loss of speed does not show as one that grows",
         hide={
-            "speed_droop": _even("speed_droop", "rate", 8e-4, 14e-4),
-            "wheel_radius_scale": _even("wheel_radius_scale", "scale", 0.982, 0.988),
+            "speed_droop": _even("speed_droop", "rate", 7e-4, 11e-4),
+            "wheel_radius_scale": _even("wheel_radius_scale", "scale", 0.984, 0.989),
         },
         minutes=0.2,
     ),

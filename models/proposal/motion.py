@@ -9,7 +9,8 @@ import numpy as np
 
 from embedded_sim import CONTROL_STEP, Diverged
 from embedded_sim.model import FloatArray
-from models.causes import Motion
+from models.causes import Motion, causes
+from models.causes.withheld import withheld
 from models.identify.candidates import own_starts
 from models.identify.diagnose import Examination
 from models.identify.fit import Fit, Problem, Term, Terms
@@ -22,6 +23,10 @@ from models.schema import ENCODERS
 
 ENCODER_NOISE = TICK / CONTROL_STEP / np.sqrt(6.0)
 """rad/s; a speed is the difference of two rounded angles."""
+
+
+OPEN = 10.0
+"""By which a coordinate may move where the log is forgotten: any size of any cause."""
 
 
 def propose(examined: Examination, named: Named) -> Proposal | None:
@@ -43,6 +48,7 @@ def propose(examined: Examination, named: Named) -> Proposal | None:
     fits = [(rival, _fitted(problem, others, rival)) for rival in rivals]
     if own is None or any(fit is None for _, fit in fits):
         return None
+    likes = [_fitted(problem, others, like) for like in _likes((named.term, *rivals))]
     problem.scale = problem.spread(own.residual)
     where = [examined.tracks.robots.index(robot) for robot in named.robots]
     believed = examined.model.point_model()
@@ -58,6 +64,7 @@ def propose(examined: Examination, named: Named) -> Proposal | None:
             for rival, fit in fits
             if fit is not None
         ]
+        far += [_apart(problem, tracks, own, like, open_by=OPEN) for like in likes if like]
         separations[flight.probe.name] = far
     if not separations:
         return None
@@ -75,6 +82,21 @@ def _problem(examined: Examination, named: Named) -> Problem:
     base = [examined.identified.base[k] for k in chosen]
     groups = np.zeros(len(chosen), dtype=np.int64)
     return Problem(examined.tracks.only(chosen), base, groups=groups)
+
+
+def _likes(rivals: Sequence[Term]) -> list[Term]:
+    """What else the rivals are confusable with: a manoeuvre alone must not bring it in."""
+    known = {t.cause.name for t in rivals} | {name for t in rivals for name in t.cause.twins}
+    names = dict.fromkeys(name for t in rivals for name in t.cause.confusable_with)
+    return [
+        Term(causes()[name], causes()[name].variants[-1])
+        for name in names
+        if name in causes()
+        and name not in known
+        and not withheld(name)
+        and causes()[name].smooth
+        and causes()[name].identifiable
+    ]
 
 
 def _fitted(
@@ -122,15 +144,23 @@ def _tracks(
     )
 
 
-def _apart(log: Problem, tracks: Tracks, truth: Fit, rival: Fit) -> float:
-    """Separation in poses if the first is true and the second is asked."""
+def _apart(
+    log: Problem, tracks: Tracks, truth: Fit, rival: Fit, *, open_by: float | None = None
+) -> float:
+    """Separation in poses if the first is true and the second is asked.
+
+    With `open_by`, the log is forgotten: the second's coordinates may move by so much.
+    """
     seen = replace(tracks, measured=poses(tracks, log.motions(truth.terms, truth.coordinates)))
     flown = Problem(seen, log.base, groups=log.groups, scale=log.scale)
     residual = flown.residual(rival.terms, rival.coordinates)
     columns = flown.jacobian(rival.terms, rival.coordinates, residual)
     errors = residual / flown.row_scale
     wide = columns / flown.row_scale[:, :, None]
-    return distance(errors.ravel(), wide.reshape(errors.size, -1), rival.covariance[0])
+    covariance = rival.covariance[0]
+    if open_by is not None:
+        covariance = open_by**2 * np.eye(len(covariance))
+    return distance(errors.ravel(), wide.reshape(errors.size, -1), covariance)
 
 
 def _wheels_apart(log: Problem, tracks: Tracks, truth: Fit, rival: Fit) -> float:

@@ -223,12 +223,13 @@ def _wall_or_sensors(one: Found, problem: Problem, fit: Fit, healthy: SenseRefer
     sight, model = problem.sight, problem.model
     counts = predict(sight, model, problem.beliefs(fit.terms, fit.coordinates))
     told, error = of_robots(sight, model, counts, np.isfinite(sight.read[:, :SENSORS]))
-    size = float(one.coordinates[0] - healthy.spread(one.term.key, 1, swarm=True)[0][0])
+    mean, sd = healthy.spread(one.term.key, 1, swarm=True)
+    size, size_error = float(one.coordinates[0] - mean[0]), float(np.hypot(one.error[0], sd[0]))
     wide = max(float(np.hypot(error, healthy.targets.swarm_sd)), LEAST_ERROR)
     if not np.isfinite(told):
         return replace(one, term=albedo, rivals=(gain,))
     of_wall = abs(told - healthy.targets.mean) / wide
-    of_sensors = abs(told - healthy.targets.mean - size) / wide
+    of_sensors = abs(told - healthy.targets.mean - size) / np.hypot(wide, size_error)
     rivals = tuple(t for t in one.rivals if t.cause.name not in names)
     if of_wall < AGREES and of_sensors > DISAGREES:
         return replace(one, term=albedo, rivals=rivals)
