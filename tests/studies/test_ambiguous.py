@@ -8,7 +8,7 @@ from studies.ambiguous import PAIRS, trial
 
 
 def test_readings_of_robots_settle_whether_the_wall_or_the_sensors_are_at_fault() -> None:
-    found = trial("wall or sensors", "ir_gain", 71)
+    found = trial("wall or sensors", "ir_gain", 404)
     assert found["first"].startswith("ambiguous: ")
     assert found["proposed"] == "face-to-face"
     assert found["right"], found["both"]
