@@ -220,17 +220,15 @@ class Engine:
     def wheel_angles(self, out: FloatArray) -> None:
         """Fill (robots, 2): rad that the left and right wheel have turned against the body."""
         client = self._client
-        for i, body in enumerate(self._bodies):
-            left, right = bullet.getJointStates(body, (_LEFT, _RIGHT), client)
-            out[i] = left[0], right[0]
+        wheels = (_LEFT, _RIGHT)
+        states = [bullet.getJointStates(body, wheels, client) for body in self._bodies]
+        out[:] = [(left[0], right[0]) for left, right in states]
 
     def centres_of_mass(self, out: FloatArray) -> None:
         """Fill (robots, 7): position (m) and quaternion (x, y, z, w) of each robot's base."""
         client = self._client
-        for i, body in enumerate(self._bodies):
-            position, orientation = bullet.getBasePositionAndOrientation(body, client)
-            out[i, :3] = position
-            out[i, 3:] = orientation
+        poses = [bullet.getBasePositionAndOrientation(body, client) for body in self._bodies]
+        out[:] = [position + orientation for position, orientation in poses]
 
     def teleport(self, robot: int, pose: Sequence[float]) -> None:
         """Put a robot down at rest with the middle of its axle at pose (x, y, yaw)."""
@@ -259,18 +257,25 @@ class Engine:
         face's: within a millimetre of a joint the engine's own is that of a box's edge, up to
         20 deg off.
         """
-        hits: Any = bullet.rayTestBatch(
-            start, end, collisionFilterMask=_WALL | _BODY, physicsClientId=self._client
+        hits: Any = bullet.rayTestBatch(  # it reads lists faster than arrays
+            start.tolist(),
+            end.tolist(),
+            collisionFilterMask=_WALL | _BODY,
+            physicsClientId=self._client,
         )
-        for i, (body, _link, share, place, normal) in enumerate(hits):
-            fraction[i] = share if body >= 0 else 1.0
-            if body in self._ring:
-                facet = round(math.atan2(place[1], place[0]) / _FACET)
-                normals[i] = _RING_NORMALS[facet % k.WALL_FACETS]
-            else:
-                normals[i] = self._faces.get(body) or normal[:2]
+        fraction[: len(hits)] = [hit[2] if hit[0] >= 0 else 1.0 for hit in hits]
+        normals[: len(hits)] = [self._normal(*hit) for hit in hits]
         if on_robot is not None:
             on_robot[: len(hits)] = [hit[0] in self._bodies for hit in hits]
+
+    def _normal(
+        self, body: int, _link: int, _share: float, place: Any, normal: Any
+    ) -> Sequence[float]:
+        """x and y of the normal of a surface that a ray met."""
+        if body in self._ring:
+            facet = round(math.atan2(place[1], place[0]) / _FACET)
+            return _RING_NORMALS[facet % k.WALL_FACETS]
+        return self._faces.get(body) or normal[:2]
 
     def _shape(self, kind: int, **size: Any) -> int:
         shape: int = bullet.createCollisionShape(kind, physicsClientId=self._client, **size)
