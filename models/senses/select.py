@@ -7,7 +7,7 @@ other and its value lies outside what healthy robots and swarms get for that ver
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,7 +71,8 @@ def choose(problem: Problem, reference: SenseReference) -> tuple[list[Found], Fi
     closed: list[Left] = []
     tried: dict[Term, dict[Term, float]] = {}
     while len(kept.terms) < MOST_TERMS:
-        fits = _one_more(problem, kept, reference, closed)
+        taken = {t: tried[t][t] for t in kept.terms}
+        fits = _one_more(problem, kept, reference, closed, taken)
         if not fits:
             break
         gains = {t: float((kept.held_out - f.held_out).sum()) for t, f in fits.items()}
@@ -123,14 +124,20 @@ def _worse(rival: Fit, kept: Fit) -> bool:
 
 
 def _one_more(
-    problem: Problem, kept: Fit, reference: SenseReference, closed: Sequence[Left]
+    problem: Problem,
+    kept: Fit,
+    reference: SenseReference,
+    closed: Sequence[Left],
+    taken: Mapping[Term, float],
 ) -> dict[Term, Fit]:
     """The terms that would be named beside the kept ones, fitted."""
     several = len(problem.sight.robots) > 1
     hopeful = [
         p
         for p in promises(problem, kept, private=several)
-        if _hopeful(p, reference) and not any(left.concerns(problem, p.term) for left in closed)
+        if _hopeful(p, reference)
+        and not any(left.concerns(problem, p.term) for left in closed)
+        and not _only_mends(p.term, p.gain / NEARLY, taken)
     ]
     if not hopeful:
         return {}
@@ -244,10 +251,15 @@ def _begin(problem: Problem, kept: Fit, term: Term) -> FloatArray:
 
 def _mends(one: Found, all_found: list[Found]) -> bool:
     """Whether a term only mends what a stronger one of the same sensors leaves."""
-    for other in all_found:
-        shared = SWARM in (one.term.robot, other.term.robot) or one.term.robot == other.term.robot
-        alike = _kinds(one.term) & _kinds(other.term)
-        if other is not one and shared and alike and one.gain < COMPANION * other.gain:
+    others = {other.term: other.gain for other in all_found if other is not one}
+    return _only_mends(one.term, one.gain, others)
+
+
+def _only_mends(term: Term, gain: float, others: Mapping[Term, float]) -> bool:
+    """Whether what a term gains is small beside what others of the same sensors gain."""
+    for other, theirs in others.items():
+        shared = SWARM in (term.robot, other.robot) or term.robot == other.robot
+        if shared and _kinds(term) & _kinds(other) and gain < COMPANION * theirs:
             return True
     return False
 
