@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import PointModel
+from embedded_sim import SENSORS, PointModel
 from embedded_sim.model import FloatArray
 from models.causes.cause import ALL
 from models.senses.cause import Belief, SenseCause
@@ -97,15 +97,19 @@ class Problem:
         use: npt.NDArray[np.bool_],
     ) -> None:
         """Prepare; `use` (rows, 16) says which readings are judged."""
-        self.sight, self.model, self.base, self.use = sight, model, list(base), use
+        self.sight, self.model, self.base, self.use = sight, model, list(base), use.copy()
         counts = predict(sight, model, self.base)
         self.noise = noise(sight, model, self.base, counts)
         self.blocks = int(sight.block.max()) + 1
         self.fold = (np.arange(self.blocks) * 7919 % 104729) % FOLDS  # neighbours in other folds
 
     def judge_anew(self, fit: Fit) -> None:
-        """Take the noise from what a fit predicts: most of infrared's is relative."""
+        """Take the noise from what a fit predicts, for most of infrared's is relative, and leave
+        out light readings that another robot may shade from a lamp that the fit has found."""
         beliefs = self.beliefs(fit.terms, fit.coordinates)
+        for x, y in {b.senses.second_lamp[:2] for b in beliefs if b.senses.second_lamp}:
+            shaded = self.sight.neighbours.before_lamp(self.sight.poses, (x, y), self.model)
+            self.use[:, SENSORS:] &= ~shaded
         counts = predict(self.sight, self.model, beliefs)
         self.noise = noise(self.sight, self.model, beliefs, counts)
 

@@ -30,6 +30,8 @@ INHERENT = ("ir_offset", "lamp_intensity")
 and interpolation between the nodes."""
 
 
+ROUNDING = 12.0**-0.5
+"""counts, standard deviation of rounding to whole ones."""
 STRUCTURE = 6.0
 """Standard deviations from health that a flexible term needs at least, as in motion."""
 JOINT_MARGIN = 1.1
@@ -156,8 +158,23 @@ def with_inherent(belief: Belief, coordinates: Mapping[str, float]) -> Belief:
 
 
 def no_sense_reference(model: str) -> SenseReference:
-    """What is believed where nobody measured healthy robots."""
-    return SenseReference(model=model, robots=0, swarms=0)
+    """What is believed where nobody measured healthy robots: nothing is known but how counts are.
+
+    Readings are whole counts and never below zero, so that an offset by a part of a count is no
+    fault.
+    """
+    none, whole = (0.0,), (ROUNDING,)
+    rounded = Health(
+        mean=none,
+        sd=whole,
+        swarm_mean=none,
+        swarm_sd=whole,
+        farthest=0.0,
+        swarm_farthest=0.0,
+        gain=0.0,
+        swarm_gain=0.0,
+    )
+    return SenseReference(model=model, robots=0, swarms=0, terms={"ir_offset": rounded})
 
 
 def write_sense_reference(reference: SenseReference, path: Path) -> None:

@@ -20,12 +20,14 @@ from models.senses.cause import Belief
 from models.senses.causes import sense_causes
 from models.senses.diagnose import SenseExamination, diagnose_senses
 from models.senses.neighbours import Neighbours
+from models.senses.problem import Problem, Term
 from models.senses.reference import (
     no_sense_reference,
     read_sense_reference,
     shipped_sense_reference,
     write_sense_reference,
 )
+from models.senses.sight import look
 from reality.effects import catalogue
 
 MODEL = load_model()
@@ -228,3 +230,25 @@ def test_a_file_that_is_no_reference_is_refused(tmp_path: Path) -> None:
     (tmp_path / "bad.json").write_text('{"model": 1}', encoding="utf-8")
     with pytest.raises(InputError, match=r"bad\.json"):
         read_sense_reference(tmp_path / "bad.json")
+
+
+def test_without_a_reference_a_part_of_a_count_is_no_offset() -> None:
+    log = make_log(table({}), drive=MODEL.drive)
+    assert names(diagnose_senses(log, MODEL, None)) == []
+
+
+def test_readings_that_a_robot_may_shade_from_a_second_lamp_are_left_out() -> None:
+    sight = look(make_log(table({}), drive=MODEL.drive), MODEL)
+    problem = Problem(sight, MODEL, [HEALTHY] * ROBOTS, sight.free)
+    lamp = Term(sense_causes()["second_lamp"])
+    x, y = sight.neighbours.place[0, 1]  # beyond a robot, as the first row's robot sees it
+    away = np.array([x, y]) - sight.poses[0, :2]
+    behind = np.array([x, y]) + 0.6 * away / np.hypot(*away)
+    before = problem.use.copy()
+    nothing = problem.fit((), np.zeros(0))
+    problem.judge_anew(replace(nothing, terms=(lamp,), coordinates=np.array([*behind, 0.1])))
+    lost = before & ~problem.use
+    assert lost[:, 8:].any()
+    assert not lost[:, :8].any()
+    assert problem.use[:, 8:].mean() > 0.5 * before[:, 8:].mean()
+    assert (sight.free == before).all(), "the log's own view must stay as it is"
