@@ -134,7 +134,9 @@ class PointModel:
         struct.ps_noise_floor = noise * t.ps_noise_floor
         struct.ls_counts = ffi.from_buffer("float[]", circle)
         struct.ls_distances, struct.ls_bearings = t.ls_counts.shape
-        for name in ("ps_range", "ls_range", "ls_dark", "ls_noise", "counts_max"):
+        # a dead sensor is covered: it does not see the room's light either
+        struct.ls_dark = [t.ls_dark if gain else t.counts_max for gain in self.senses.ls_gain]
+        for name in ("ps_range", "ls_range", "ls_noise", "counts_max"):
             setattr(struct, name, getattr(t, name))
 
     def _fill_light(self, struct: Any) -> None:

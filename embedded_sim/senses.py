@@ -33,7 +33,8 @@ class Senses:
     rotation: float = 0.0
     """rad, counter-clockwise, of the ring of infrared and light sensors."""
     ls_gain: tuple[float, ...] = UNITY
-    """(8,) on what every light sensor reads of the lamps; 0: a dead sensor."""
+    """(8,) on what every light sensor reads of the lamps; 0: a dead sensor, which is covered and
+    does not see the room's light either."""
     lamp_intensity: float = 1.0
     lamp_height: float | None = None
     """m above the floor; None: as captured."""

@@ -145,7 +145,7 @@ RG_INLINE void rg_follow_v(const rg_model *m, const rg_group *g, uint32_t step, 
         y[i] = g[i].lamp_y;
         gain[i] = power * g[i].lamp_on;
         for (int k = 0; k < RG_SENSORS; k++)
-            ls[i][k] = rg_all(t->ls_dark);
+            ls[i][k] = rg_all(t->ls_dark[k]);
     }
     rg_lamp_v(m, g, looks, x, y, gain, ls);
     if (m->second_gain > 0.0) {

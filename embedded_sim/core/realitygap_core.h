@@ -57,7 +57,7 @@ typedef struct {
     const float *ls_counts;
     int32_t ls_distances, ls_bearings;
     double ls_range;   /* m */
-    double ls_dark;    /* counts read in the dark */
+    double ls_dark[8]; /* counts each sensor reads with the lamps off: more if it is covered */
     double ls_noise;   /* half width of uniform noise, counts */
     double counts_max; /* largest count of the converter */
 } rg_tables;

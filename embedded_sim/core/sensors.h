@@ -95,7 +95,7 @@ static inline void rg_lamp(const rg_model *m, double dx, double dy, double gain,
 static inline void rg_ls(const rg_model *m, int scenario, double x, double y, double c, double s,
                          double time, double *ls) {
     for (int k = 0; k < RG_SENSORS; k++)
-        ls[k] = m->tables.ls_dark;
+        ls[k] = m->tables.ls_dark[k];
     if (m->lamp_on[scenario]) {
         const double gain = m->lamp_gain * rg_max(1.0 - m->lamp_decay * time, 0.0);
         rg_lamp(m, m->lamp_x[scenario] - x, m->lamp_y[scenario] - y, gain, c, s, ls);

@@ -29,7 +29,6 @@ static void build_model(rg_model *m, float *ps, float *ls) {
                             .ls_distances = DISTANCES,
                             .ls_bearings = BEARINGS,
                             .ls_range = 1.2,
-                            .ls_dark = 4035.0,
                             .ls_noise = 9.0,
                             .counts_max = 4095.0};
     m->body_radius = 0.035;
@@ -49,6 +48,7 @@ static void build_model(rg_model *m, float *ps, float *ls) {
         m->sensor_sin[k] = sin(angles[k]);
         m->ps_gain[k] = m->ls_gain[k] = 1.0;
         m->tables.ps_noise[k] = 0.25;
+        m->tables.ls_dark[k] = 4035.0;
     }
 }
 

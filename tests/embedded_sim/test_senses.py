@@ -129,4 +129,13 @@ def test_dead_sensors_read_nothing() -> None:
     dead = tuple(0.0 if k == 0 else 1.0 for k in range(8))
     read = readings([facing(0.06)], [AT_NEST], model=believing(ps_gain=dead, ls_gain=dead))
     assert read.ps[0, 0] == 0.0
-    assert read.ls[0, 0] == NOMINAL.tables.ls_dark
+    assert read.ls[0, 0] == NOMINAL.tables.counts_max
+    alive = readings([facing(0.06)], [AT_NEST], model=NOMINAL)
+    assert read.ls[0, 1:].tolist() == alive.ls[0, 1:].tolist()
+
+
+def test_a_dead_light_sensor_does_not_see_the_room_either_as_a_covered_one_in_reality() -> None:
+    dead = tuple(0.0 if k == 3 else 1.0 for k in range(8))
+    read = readings([[0, 0, 0]], [NO_LIGHT], model=believing(ls_gain=dead)).ls[0]
+    assert read[3] == NOMINAL.tables.counts_max > NOMINAL.tables.ls_dark
+    assert set(np.delete(read, 3)) == {NOMINAL.tables.ls_dark}

@@ -88,7 +88,7 @@ def test_every_model_is_asked_the_same() -> None:
 
 def test_dead_sensors_are_predicted_by_whom_they_concern() -> None:
     frame = recording(3, "a")
-    frame.loc[frame["robot"] == 2, "ls0"] = TABLES.ls_dark
+    frame.loc[frame["robot"] == 2, "ls0"] = TABLES.counts_max
     cause = NamedCause(name="ls_dead_sensor", robots=(2,), word="0", parameters={})
     models = {BEFORE: EPUCK, EXTENDED: with_causes(cause)}
     table = prediction_errors(make_log(frame, drive=Drive()), models, TABLES)
