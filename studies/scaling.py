@@ -83,7 +83,8 @@ def figure(table: pd.DataFrame, file: Path) -> None:
         ax.set_title(f"{start:.2f} s + {slope:.3g} s each, within {100 * worst:.0f} %")
     own = table[table["against"] == "minutes"]
     axes[2].plot(own["minutes"], own["peak_mb"], "o-")
-    axes[2].set(xlabel="minutes", ylabel="peak memory (MB)", ylim=(0.0, None))
+    top = 1.25 * own["peak_mb"].max()
+    axes[2].set(xlabel="minutes", ylabel="peak memory (MB)", ylim=(0.0, top))
     drawn.savefig(file, dpi=150)
     plt.close(drawn)
 
