@@ -63,9 +63,9 @@ def _set_aside(found: Wild, robot: int) -> Unexplained:
     """What no fit comes near, in words."""
     return Unexplained(
         channel="speed",
-        share=found.inside,
+        share=found.share,
         where=f"it moves quite unlike the model {PARTS[found.part]}, in "
-        f"{100 * found.inside:.0f} % of that time ({100 * found.outside:.0f} % elsewhere)",
+        f"{100 * found.inside:.0f} % of these windows ({100 * found.outside:.0f} % elsewhere)",
         quantity=found.part,
         robots=(robot,),
         distance=found.more / max(found.error, 1e-3),

@@ -33,6 +33,8 @@ class Wild(NamedTuple):
     outside: float
     error: float
     """Standard error of the difference, by blocks."""
+    share: float
+    """Of the squared errors that lies in these windows."""
 
     @property
     def more(self) -> float:
@@ -48,9 +50,11 @@ def wild(problem: Problem) -> Wild | None:
     """
     tracks = problem.tracks
     errors = problem.residual((), np.zeros((problem.count, 0)))
-    far = (np.abs(errors / problem.spread(errors)[0]) > FAR).any(axis=1)
+    errors = errors / problem.spread(errors)[0]
+    far = (np.abs(errors) > FAR).any(axis=1)
     count = np.diff(np.append(tracks.first, len(tracks.rows)))
     out = np.add.reduceat(far.astype(np.float64), tracks.first) / count > ROWS
+    squared = np.add.reduceat((errors**2).sum(axis=1), tracks.first)
     found = []
     for name, inside in parts(tracks).items():
         blocks = [np.unique(tracks.block[side]) for side in (inside, ~inside)]
@@ -60,6 +64,7 @@ def wild(problem: Problem) -> Wild | None:
         error = np.sqrt(
             there * (1.0 - there) / len(blocks[0]) + elsewhere * (1.0 - elsewhere) / len(blocks[1])
         )
-        found.append(Wild(name, there, elsewhere, float(error)))
+        share = float(squared[out & inside].sum() / squared.sum())
+        found.append(Wild(name, there, elsewhere, float(error), share))
     clear = [one for one in found if one.more > max(MORE, SURE * one.error)]
     return max(clear, key=lambda one: one.more, default=None)

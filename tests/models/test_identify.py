@@ -221,6 +221,7 @@ def test_a_dead_time_at_starts_is_not_named_after_a_cause_that_half_resembles_it
     assert found.verdict == "unexplained"
     assert not names(found)
     assert found.unexplained[0].quantity == "start"
+    assert 0.0 < found.unexplained[0].share < 1.0
 
 
 def test_circles_do_not_tell_the_axle_from_wheels_of_two_sizes() -> None:

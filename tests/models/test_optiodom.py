@@ -4,8 +4,9 @@ import pytest
 from embedded_sim import InputError
 from models.formats.optiodom import read_optiodom
 from models.horizons import horizon_errors
+from models.identify.diagnose import diagnose
 from models.log import make_log
-from models.modelfile import load_model
+from models.modelfile import load_model, read_model_file
 from models.noise import PoseNoise
 from models.replay import HORIZONS, replay_log
 from tests.models.small import shared_data
@@ -69,3 +70,13 @@ def test_a_test_skipped_for_want_of_data_says_where_it_looked(tmp_path, monkeypa
         shared_data("optiodom")
     assert "REALITYGAP_DATA" in str(skipped.value)
     assert str(tmp_path / "optiodom") in str(skipped.value)
+
+
+def test_a_real_robots_slow_start_is_called_unexplained_not_a_limit_of_its_motors():
+    directory = shared_data("optiodom") / "ivanjko"
+    model = read_model_file("optiodom")
+    log = make_log(read_optiodom(directory, drive=model.nominal_drive), drive=model.nominal_drive)
+    found = diagnose(log, model, None).diagnosis
+    assert found.verdict == "unexplained"
+    assert found.unexplained[0].quantity == "start"
+    assert "motor_saturation" not in [one.term.cause.name for one in found.named]
