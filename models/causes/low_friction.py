@@ -13,9 +13,9 @@ from models.causes.motion import Motion
 FRICTION = 1.2
 """Of an e-puck's rubber tyre on the floor. Our choice."""
 TRACTION = 290.0
-"""rad/s^2 of 20.5 mm wheels per unit of friction: three quarters of g times the wheels' share of
-the weight (0.73, the centre of mass being 8 mm ahead of the axle and the skid 30 mm) over the
-radius, because wheels that slip also slide sideways."""
+"""rad/s^2 of 20.5 mm wheels per unit of friction, measured on the nominal robot at 0.15 to 0.2: g
+times the wheels' share of the weight (0.73, the centre of mass being 8 mm ahead of the axle and the
+skid 30 mm) over the radius, times 0.83, because wheels that slip also slide sideways."""
 STARTS = (-1.2, -2.0)
 """Coordinates to start from: friction of 0.36 and 0.16."""
 
