@@ -59,7 +59,7 @@ def markdown(table: pd.DataFrame) -> str:
         ]
         cells = [
             row["effect"],
-            row["hidden"].replace(",", ", "),
+            row["hidden"],
             row["answer"],
             f"{row['channel']} ({unit})",
             *errors,

@@ -12,7 +12,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import closing
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -225,7 +225,7 @@ def _rows(
         rows.append(
             {
                 "effect": one.name,
-                "hidden": one.spec.partition(":")[2],
+                "hidden": _short(one),
                 "answer": _answer(one, answer),
                 "channel": " ".join(filter(None, shows)),
                 "unit": found["unit"],
@@ -237,10 +237,15 @@ def _rows(
                     for channel, horizon in MOTION
                 },
                 "naming": f"{group.naming.controller} {group.naming.case} {group.naming.seed}",
-                "truth": json.dumps(asdict(one)["values"]),
             }
         )
     return rows
+
+
+def _short(one: Hidden) -> str:
+    """Values and robots, to three digits."""
+    values = [f"{k} {v if isinstance(v, str) else format(v, '.3g')}" for k, v in one.values.items()]
+    return ", ".join([*values, *(f"robot {robot}" for robot in one.robots)])
 
 
 def _excess(entry: dict[str, Any]) -> float:
