@@ -9,21 +9,25 @@ it is as large as what the name takes off, the name is not believed.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from models.diagnosis import Unexplained
-from models.senses.leftover import Left, leftovers
+from models.senses.leftover import SHOWS, Left, leftovers
 from models.senses.problem import SWARM, Fit, Problem, Term
 from models.senses.reference import SenseReference
 from models.senses.select import Found
-from models.senses.structure import Follow, Structure
+from models.senses.structure import KINDS, Follow, Structure
 
 MENDED = 0.04
 """Of the named causes' gain that a leftover must exceed: no model of a cause is exact."""
 DOUBTFUL = 0.5
 """Of the same, beyond which the names are not believed."""
+
+MOST_TOGETHER = 2
+"""Causes of one channel believed of the same robots. Our choice: that three things are wrong with
+one lamp at once is less likely than one that has no name."""
 
 Noisy = list[tuple[float, float, bool]]
 
@@ -57,7 +61,7 @@ class Judged:
 
 def judge(problem: Problem, fit: Fit, found: Sequence[Found], healthy: SenseReference) -> Judged:
     """Look at what the named terms leave, and take back the names that do not fit."""
-    believed = tuple(found)
+    believed = _not_too_many(found)
     while True:
         fit = _with_only(problem, fit, tuple(one.term for one in believed))
         structure = Structure(problem, fit)
@@ -78,10 +82,39 @@ def judge(problem: Problem, fit: Fit, found: Sequence[Found], healthy: SenseRefe
                 found=believed,
                 fit=fit,
                 structure=tuple(structure.follows),
-                lefts=lefts,
+                lefts=(*lefts, *_of_pairs(problem, fit, believed, healthy)),
                 robots=problem.sight.robots,
             )
         believed = tuple(one for one in believed if one not in doubted)
+
+
+def _not_too_many(found: Sequence[Found]) -> tuple[Found, ...]:
+    """Without the causes of a channel and of robots that would have to have many at once."""
+    kept = tuple(found)
+    for channel in KINDS:
+        mine = [one for one in found if channel in SHOWS[one.term.cause.kind]]
+        for scope in {one.term.robot for one in mine}:
+            together = [one for one in mine if one.term.robot in (scope, SWARM)]
+            if len(together) > MOST_TOGETHER:
+                kept = tuple(one for one in kept if one not in together)
+    return kept
+
+
+def _of_pairs(
+    problem: Problem, fit: Fit, believed: Sequence[Found], healthy: SenseReference
+) -> tuple[Left, ...]:
+    """What two causes of the place together account for, as a single one without a name would."""
+    paired = [one.term for one in believed if one.term.cause.place]
+    if len(paired) < 2:
+        return ()
+    less = _with_only(problem, fit, tuple(t for t in fit.terms if t not in paired))
+    names = " and ".join(term.cause.name for term in paired)
+    channels = set().union(*(SHOWS[term.cause.kind] for term in paired))
+    return tuple(
+        left._replace(said=replace(left.said, where=f"{left.said.where}, unless it is {names}"))
+        for left in leftovers(problem, Structure(problem, less), healthy)
+        if left.said.robots == "all" and left.follow.channel in channels
+    )
 
 
 def _with_only(problem: Problem, fit: Fit, terms: tuple[Term, ...]) -> Fit:

@@ -22,16 +22,15 @@ LEAST_GAIN = 30.0
 log reach 33 among four hundred terms."""
 ALIKE = 5.0
 """Standard deviations within which robots share a swarm's value."""
+SIMILAR = 0.7
+"""Of the swarm's value that a robot may differ from it by: what a swarm shares depends on where
+each robot has been."""
 DEVIANTS = 0.2
 """Most of the robots that may not."""
 
 
 SHOWS = {"ps": {"infrared"}, "ls": {"light"}, "both": {"infrared", "light"}}
 """Channels in which a kind of cause shows."""
-
-
-MOST_TRIED = 5
-"""Quantities fitted to the end, of those that promise most by one step."""
 
 
 CLEARLY_MORE = 1.1
@@ -80,7 +79,9 @@ def _swarm(
             continue
         health = healthy.health(one.key) or UNKNOWN
         wide = np.hypot(one.error, health.sd)
-        alike = known & (np.abs(one.size - np.median(one.size[known])) < ALIKE * wide)
+        middle = float(np.median(one.size[known]))
+        wide = np.maximum(ALIKE * wide, SIMILAR * abs(middle))
+        alike = known & (np.abs(one.size - middle) < wide)
         if alike.sum() < max(LEAST_SWARM, (1.0 - DEVIANTS) * known.sum()):
             continue
         mean, error = pool(one.size[alike], one.error[alike])
@@ -124,15 +125,16 @@ def _best(
     passed: Sequence[_Passed],
     robot: int | None,
 ) -> Left | None:
-    """The quantity that takes off most, out of the few that promise most.
+    """The quantity that takes off most, each by its most promising function.
 
     What follows a quantity may have a mean as well: each quantity is fitted beside a constant, and
     must take off clearly more than the constant alone.
     """
-    promised: dict[str, float] = {}
+    promised: dict[str, dict[str, float]] = {}
     for one in passed:
-        promised[one.follow.group] = promised.get(one.follow.group, 0.0) + one.gain
-    groups = sorted(promised, key=lambda group: -promised[group])[:MOST_TRIED]
+        mine = promised.setdefault(one.follow.quantity, {})
+        mine[one.follow.group] = mine.get(one.follow.group, 0.0) + one.gain
+    groups = [max(mine, key=lambda group: mine[group]) for mine in promised.values()]
     constant = {one.change: one for one in found if one.quantity == ALWAYS}
     constants = {one.group for one in constant.values()}
     tried = []

@@ -100,3 +100,9 @@ def test_the_family_is_judged_by_the_most_conspicuous_term_of_a_healthy_log() ->
     assert reached < 1.0
     _, wild = of_healthy([*(log(0.0) for _ in range(10)), log(0.2)])
     assert wild > 2.0
+
+
+def test_a_cause_that_only_mimics_a_withheld_one_is_not_named_alone() -> None:
+    with without(("lamp_intensity",)):
+        found = examined(table({}, everybody=with_senses(lamp_intensity=0.9)))
+    assert ("light", "all") in [(one.channel, one.robots) for one in found.unexplained]
