@@ -24,7 +24,7 @@ CORE_H := $(wildcard embedded_sim/core/*.h)
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-7s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-demo: $(STAMP) ## ten robots co-evolve for ten minutes; the picture is out/demo/demo.png
+demo: $(STAMP) ## the whole story in a few minutes; the page is out/demo/report.html
 	$(BIN)/realitygap demo --out out/demo --force
 
 test: $(STAMP) ## the tests, in parallel, without the slow and the blind ones

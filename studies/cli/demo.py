@@ -1,9 +1,9 @@
-"""`realitygap demo`: see it work."""
+"""`realitygap demo`: the whole story at once."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Optional
 
 import typer
 
@@ -12,28 +12,34 @@ from studies.cli.options import Force, Quiet
 
 EXAMPLE = """Example: realitygap demo --out out/demo --seed 3"""
 
-MINUTES = 10.0
-"""Simulated: time for the swarm to settle on what it believes."""
-
 
 @app.command(epilog=EXAMPLE)
 def demo(
     out: Annotated[Path, typer.Option(help="Where to write.")] = Path("out/demo"),
-    seed: Annotated[int, typer.Option(help="Everything random follows from it.")] = 0,
+    seed: Annotated[
+        int, typer.Option(min=0, help="Everything random follows from it, also what is hidden.")
+    ] = 0,
+    jobs: Annotated[
+        Optional[int],  # noqa: UP045 - typer reads this at run time
+        typer.Option(help="Processes; all cores if absent."),
+    ] = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Ten robots co-evolve for ten simulated minutes with the light at the nest; one picture."""
-    from studies.experiment import simulate
-    from studies.output import whole_directory
-    from studies.picture import draw_run
-    from studies.progress import Progress
-    from studies.settings import run_config
+    """Hide an effect, co-evolve, find it in the log alone, correct the simulator, co-evolve again.
 
-    config = run_config(case="light-at-nest", minutes=MINUTES, seed=seed)
-    with whole_directory(out, force=force, holds=("run.json",)) as part:
-        with Progress("ten robots co-evolve", config.steps, quiet) as shown:
-            totals = simulate(config, (), part, shown.reach)
-        draw_run(part, config.case, part / "demo.png")
+    Two to three minutes on two cores. Writes report.html, demo.json, demo.png and what each
+    chapter made; sealed.json holds what was hidden and is read only at the end.
+    """
+    from studies.demo.report import write_report
+    from studies.demo.story import Size, tell, verdict_line, write_json
+    from studies.execution import Workers
+    from studies.output import whole_directory
+
+    workers = Workers.chosen(jobs, None)
+    with whole_directory(out, force=force, holds=("demo.json", "run.json")) as part:
+        story = tell(seed, Size(), part, workers, quiet=quiet)
+        write_json(story, part / "demo.json")
+        write_report(story, part)
     if not quiet:
-        shown.say(f"{totals['deposits']:.0f} items brought to the nest; see {out / 'demo.png'}")
+        typer.echo(f"{verdict_line(story).capitalize()}. See {out / 'report.html'}")

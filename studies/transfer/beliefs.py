@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shutil
 import tempfile
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,14 +12,12 @@ from typing import Any
 from embedded_sim.errors import InputError
 from models.modelfile import read_model_file
 from reality.effects import parse_effects
+from studies.altered import MODEL, Files, read_files
 from studies.blind.record import COMMAND, LOG, diagnose
 from studies.experiment import RunConfig, simulate
 from studies.oracle import write_oracle
 from studies.output import whole_directory
 from studies.transfer.alterations import Alteration
-
-Files = Mapping[str, bytes]
-MODEL = "extended.toml"
 
 
 @dataclass(frozen=True)
@@ -52,18 +49,6 @@ def record_and_diagnose(task: Preparation) -> Files:
         if error is not None:
             raise RuntimeError(f"the diagnosis of {task.alteration.name}: {error}")
         return read_files(given / "diagnosis")
-
-
-def read_files(folder: Path) -> Files:
-    """A directory's files by name."""
-    return {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.is_file()}
-
-
-def keep(files: Files, folder: Path) -> None:
-    """Write a directory of files, whole or not at all."""
-    with whole_directory(folder) as part:
-        for name, content in files.items():
-            (part / name).write_bytes(content)
 
 
 def keep_given(extended: str, folder: Path) -> None:

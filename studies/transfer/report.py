@@ -10,6 +10,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from models.modelfile import load_models
+from studies.altered import MODEL
 from studies.experiment import HALVES
 from studies.output import whole_file
 from studies.paper import figures
@@ -80,8 +81,8 @@ def _choices(one: Alteration, study: TransferConfig, out: Path) -> list[dict[str
     """What each model picks among nine controllers."""
     sources = {
         "minimal": None,
-        "extended": _folder(out, one) / beliefs.MODEL,
-        "oracle": _folder(out, one, "oracle") / beliefs.MODEL,
+        "extended": _folder(out, one) / MODEL,
+        "oracle": _folder(out, one, "oracle") / MODEL,
     }
     believed: dict[str, Earnings] = {
         name: earnings(load_models(source, study.robots), study.seed)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import tempfile
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
+from studies.altered import AlteredRun, Files, keep, read_files, run_altered
 from studies.execution import Workers, completed
-from studies.experiment import simulate
 from studies.paper.directory import StudyDirectory
 from studies.paper.execution import RunsFailed, execute
 from studies.transfer import beliefs
@@ -20,21 +19,13 @@ from studies.transfer.report import write_report
 class Work:
     """Runs one run; carries the models, so that a worker needs no disk in common."""
 
-    models: dict[tuple[str, str], beliefs.Files]
+    models: dict[tuple[str, str], Files]
     """By alteration and controller; the minimal model is the shipped one."""
 
     def __call__(self, run: TransferRun) -> dict[str, bytes]:
         """Simulate; the run's files by name. Executed by a worker."""
-        with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
-            out, model = Path(scratch) / "run", Path(scratch) / "model"
-            out.mkdir()
-            config = run.config
-            files = self.models.get((run.alteration.name, run.controller))
-            if files is not None:
-                beliefs.keep(files, model)
-                config = config.model_copy(update={"model": str(model / beliefs.MODEL)})
-            simulate(config, run.effects, out)
-            return {path.name: path.read_bytes() for path in sorted(out.iterdir())}
+        model = self.models.get((run.alteration.name, run.controller))
+        return run_altered(AlteredRun(run.config, run.effects, model))
 
 
 def run_transfer(
@@ -51,7 +42,7 @@ def run_transfer(
     with StudyDirectory(out, study, runs).held() as directory:
         _prepare(study, out, workers)
         models = {
-            (one.name, kind): beliefs.read_files(folder_of(out, one.name, kind))
+            (one.name, kind): read_files(folder_of(out, one.name, kind))
             for one in study.alterations
             for kind in ("extended", "oracle")
         }
@@ -83,6 +74,6 @@ def _prepare(study: TransferConfig, out: Path, workers: Workers) -> None:
             if done.value is None:
                 failures.append(str(done.error))
             else:
-                beliefs.keep(done.value, folder_of(out, done.task.alteration.name, "extended"))
+                keep(done.value, folder_of(out, done.task.alteration.name, "extended"))
     if failures:
         raise RunsFailed(f"{len(failures)} models could not be made, first: {failures[0]}")

@@ -18,11 +18,16 @@ def diagnosed(diagnosis: Mapping[str, Any] | None) -> str:
         return "a given model"
     causes = [
         f"{cause['name']} "
-        + ", ".join(f"{k} {v['value']:.3g}" for k, v in cause["parameters"].items())
+        + ", ".join(f"{k} {_short(v['value'])}" for k, v in cause["parameters"].items())
         + ("" if cause["robots"] == "all" else f" (robots {cause['robots']})")
         for cause in diagnosis["causes"]
     ]
     return f"{diagnosis['verdict']}: " + ("; ".join(c.strip() for c in causes) or NOTHING)
+
+
+def _short(value: float | str) -> str:
+    """A number to three digits, or a word, as which sensor."""
+    return value if isinstance(value, str) else f"{value:.3g}"
 
 
 def food_line(one: Alteration, row: Mapping[str, Any] | None) -> str:
