@@ -36,6 +36,12 @@ class Belief:
 
 
 Sensing = Callable[[Belief, FloatArray, str], Belief]
+Leaps = Callable[[], list[FloatArray]]
+
+
+def nowhere() -> list[FloatArray]:
+    """No leaps."""
+    return []
 
 
 def unmoved(motion: Motion, values: FloatArray, variant: str) -> Motion:
@@ -53,6 +59,9 @@ class SenseCause(Cause):
     """It belongs to the arena, not to a robot: every robot has it or none."""
     kind: str
     """What shows it: `ps`, `ls`, `both`, `direct` (seen without a fit) or `nest`."""
+    leaps: Leaps = field(default=nowhere)
+    """Coordinates (parameters,) far from the null that are tried as they are: from the null a step
+    does not lead to a lamp that stands elsewhere altogether. Of causes of the place only."""
     change: Change = field(default=unmoved)
     smooth: bool = False
     """Of motion fits, which it has no part in."""

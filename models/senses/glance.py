@@ -12,6 +12,10 @@ from models.senses.causes import sense_causes
 from models.senses.problem import FOLDS, STRETCH, SWARM, Column, Fit, Problem, Term, ridged
 
 FITTED = ("ps", "ls", "both")
+SCOUTS = 3
+"""Robots whose readings choose among leaps; all of them judge the chosen one."""
+ASTRAY = 2.0
+"""Mean error of light, in noise, from which leaps are tried; a sound robot's is about 0.8."""
 NO_COMMANDS: FloatArray = np.zeros((0, 2))
 
 
@@ -40,6 +44,7 @@ def promises(
         if not _visible(problem, cause.kind):
             continue
         taken = {(t.cause.name, t.robot) for t in kept.terms}
+        named = {name for name, robot in taken if robot == SWARM}
         for variant in cause.variants:
             term = Term(cause, variant)
             starts = cause.starts(NO_COMMANDS) or [np.zeros(term.size)]
@@ -60,8 +65,38 @@ def promises(
                     one = _step(problem, kept, mine, pulled, columns)
                     if robot not in best or one.gain > best[robot].gain:
                         best[robot] = one
+            leap = _leap(problem, kept, term) if swarm and term.cause.name not in named else None
+            if leap is not None and (SWARM not in best or leap.gain > best[SWARM].gain):
+                best[SWARM] = leap
             found += best.values()
     return sorted(found, key=lambda one: -one.gain)
+
+
+def _leap(problem: Problem, kept: Fit, term: Term) -> Promise | None:
+    """The best of a cause's leaps as it is, for the swarm; None where it has none, or where the
+    light is read so nearly as expected that a step from the null finds whatever there is."""
+    leaps = term.cause.leaps()
+    if not leaps or not _astray(problem, kept):
+        return None
+    whole = (*kept.terms, term)
+    scouts = np.unique(np.linspace(0, len(problem.sight.robots) - 1, SCOUTS, dtype=int)).tolist()
+    starts = [np.concatenate([kept.coordinates, leap]) for leap in leaps]
+    scouted = [
+        float(problem.deviance(problem.residual(whole, start, scouts)).sum()) for start in starts
+    ]
+    chosen = int(np.argmin(scouted))
+    held = problem.deviance(problem.residual(whole, starts[chosen]))
+    steps = np.array([p.step for p in term.cause.parameters])
+    gain = float((kept.held_out - held).sum())
+    return Promise(term, gain, leaps[chosen], starts[chosen], steps)
+
+
+def _astray(problem: Problem, kept: Fit) -> bool:
+    """Whether light is read quite otherwise than a hypothesis expects."""
+    half = problem.use.shape[1] // 2
+    used = problem.use[:, half:]
+    light = np.abs(kept.residual[:, half:][used])
+    return bool(light.size) and float(light.mean()) > ASTRAY
 
 
 def _visible(problem: Problem, kind: str) -> bool:

@@ -44,16 +44,6 @@ def _window(size: float, random: np.random.Generator) -> Mapping[str, Value]:
     }
 
 
-def _along_the_wall(size: float, random: np.random.Generator) -> Mapping[str, Value]:
-    """The lamp at the nest, so far along the wall, either way."""
-    angle = 2.0 * math.asin(0.5 * size / k.ARENA_RADIUS)
-    side = float(random.choice((-1.0, 1.0)))
-    return {
-        "x": round(k.ARENA_RADIUS * (math.cos(angle) - 1.0), 3),
-        "y": round(side * k.ARENA_RADIUS * math.sin(angle), 3),
-    }
-
-
 def _one_wheel(size: float, random: np.random.Generator) -> Mapping[str, Value]:
     limit = round(k.WHEEL_SPEED_MAX * (1.0 - size), 2)
     return {"limit": limit, "wheel": str(random.choice(("left", "right")))}
@@ -73,13 +63,6 @@ MENU_OF_THE_DEMO: Mapping[str, Draw] = {
         high=3.0,
         values=_window,
         plainly="a second light shines near the nest, like a window nobody told the robots of",
-    ),
-    "lamp_moved": Draw(
-        case="light-at-nest",
-        low=0.4,
-        high=0.57,
-        values=_along_the_wall,
-        plainly="the lamp does not stand at the nest any more but further along the wall",
     ),
     "wheel_radius_mismatch": Draw(
         case="light-at-nest",

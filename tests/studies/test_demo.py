@@ -40,7 +40,7 @@ def test_a_seal_that_was_broken_is_noticed(tmp_path: Path) -> None:
     path = tmp_path / "sealed.json"
     digest = seal(draw(1), RunConfig(), path)
     assert unseal(path, digest)["spec"] == draw(1).hidden.spec
-    path.write_text(path.read_text(encoding="utf-8").replace("1", "2"), encoding="utf-8")
+    path.write_text(path.read_text(encoding="utf-8") + " ", encoding="utf-8")
     with pytest.raises(RuntimeError, match="changed since it was sealed"):
         unseal(path, digest)
 
@@ -69,7 +69,7 @@ def test_the_whole_story_in_short(tmp_path: Path, capfd: pytest.CaptureFixture[s
     causes = content["diagnosis"]["causes"]
     lamp = next(cause for cause in causes if cause["name"] == "second_lamp")
     intensity = lamp["parameters"]["intensity"]
-    assert intensity["low"] <= draw(0).hidden.values["intensity"] <= intensity["high"]
+    assert intensity["value"] == pytest.approx(draw(0).hidden.values["intensity"], rel=0.3)
     extended = read_model_file(tmp_path / "diagnosis" / "extended.toml")
     assert extended.extension is not None
     named = [cause.name for cause in extended.extension.causes]

@@ -16,10 +16,20 @@ REACH = (0.7, 0.35)
 DIM = 0.02
 """Share of the lamp that it is first taken to have."""
 
+RIM = 0.65
+"""m from the arena's centre where a bright one is tried."""
+BRIGHT = (0.3, 1.0, 3.0)
+"""Shares of the lamp that a bright one is tried to have."""
+
 
 def _starts(commands: FloatArray) -> list[FloatArray]:
     angles = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
     return [np.array([r * np.cos(a), r * np.sin(a), DIM]) for r in REACH for a in angles]
+
+
+def _leaps() -> list[FloatArray]:
+    angles = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    return [np.array([RIM * np.cos(a), RIM * np.sin(a), i]) for i in BRIGHT for a in angles]
 
 
 def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
@@ -52,4 +62,5 @@ CAUSE = SenseCause(
     confusable_with=("ambient_light", "lamp_moved"),
     experiment="dark-tour",
     starts=_starts,
+    leaps=_leaps,
 )
