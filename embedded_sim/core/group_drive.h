@@ -1,0 +1,88 @@
+/* Driving trials side by side: what drive.h and forage.c do for one. */
+#ifndef RG_GROUP_DRIVE_H
+#define RG_GROUP_DRIVE_H
+
+#include <math.h>
+#include <string.h>
+
+#include "group_state.h"
+
+/* rg_wheel_advance */
+RG_INLINE rg_v rg_wheel_advance_v(const rg_drive *d, int side, rg_v *speed, rg_v command,
+                                  const rg_part *part, double time) {
+    const double h = part->h;
+    const rg_v wanted = rg_abs_v(command);
+    const rg_v magnitude = rg_pick(wanted < d->dead_zone[side], (rg_v){0}, wanted);
+    const double drooped = rg_max(1.0 - d->droop_rate * time, 0.0);
+    const rg_v target =
+        rg_sign_v(rg_min_v(magnitude, rg_all(d->speed_limit[side])) * drooped, command);
+    const double most = d->acceleration[side];
+    const rg_v start = *speed, step = target - start, size = rg_abs_v(step);
+    if (d->time_constant > 0.0) {
+        const rg_v ramp = rg_min_v(size / most - d->time_constant, rg_all(h));
+        const rg_m ramps = ramp > 0.0;
+        const rg_v change = rg_sign_v(most * ramp, step);
+        const rg_v away = rg_pick(ramps, step - change, step);
+        const rg_v rest = rg_pick(ramps, h - ramp, rg_all(h));
+        const rg_v before = rg_pick(ramps, (start + 0.5 * change) * ramp, (rg_v){0});
+        rg_v left = rg_all(part->left);
+        if (rg_which(ramps) != 0)
+            left = rg_pick(ramps, rg_decay_v(rest / d->time_constant), left);
+        *speed = target - away * left;
+        return before + (target * rest - away * d->time_constant * (1.0 - left));
+    }
+    if (isinf(most)) {
+        *speed = target;
+        return target * h;
+    }
+    const rg_m limited = size > most * h;
+    const rg_v end = start + rg_sign_v(rg_all(most * h), step);
+    *speed = rg_pick(limited, end, target);
+    return rg_pick(limited, 0.5 * (start + end) * h, target * h - 0.5 * step * size / most);
+}
+
+/* Drive a part of a step under one command: rg_wheel_advance and rg_arc. */
+RG_INLINE void rg_drive_part_v(const rg_drive *d, rg_group *g, const rg_v *command,
+                               const rg_part *part, double time) {
+    const rg_v sl =
+        d->wheel_radius[0] * rg_wheel_advance_v(d, 0, &g->speed[0], command[0], part, time);
+    const rg_v sr =
+        d->wheel_radius[1] * rg_wheel_advance_v(d, 1, &g->speed[1], command[1], part, time);
+    const rg_v half = 0.5 * ((sr - sl) / d->axle);
+    rg_v sinc, cosine;
+    rg_turn_v(half, &sinc, &cosine);
+    const rg_v sine = half * sinc, chord = 0.5 * (sl + sr) * sinc;
+    const rg_v c = g->cosine, s = g->sine;
+    g->x += chord * (c * cosine - s * sine);
+    g->y += chord * (s * cosine + c * sine);
+    const rg_v turned_c = cosine * cosine - sine * sine, turned_s = 2.0 * sine * cosine;
+    const rg_v next_c = c * turned_c - s * turned_s, next_s = s * turned_c + c * turned_s;
+    const rg_v unit = 1.5 - 0.5 * (next_c * next_c + next_s * next_s);
+    g->cosine = next_c * unit;
+    g->sine = next_s * unit;
+}
+
+RG_INLINE void rg_drive_step_v(const rg_model *m, const rg_cut *cut, rg_group *g, int32_t step,
+                               double time, const rg_v *command) {
+    const rg_drive *d = &m->drive;
+    const rg_v *present = command;
+    if (cut->whole > 0 || cut->old.h > 0.0) {
+        memcpy(g->queue[step & (RG_COMMAND_SLOTS - 1)], command, sizeof g->queue[0]);
+        present = g->queue[(step - cut->whole) & (RG_COMMAND_SLOTS - 1)];
+    }
+    if (cut->old.h > 0.0) {
+        const rg_v *before = g->queue[(step - cut->whole - 1) & (RG_COMMAND_SLOTS - 1)];
+        rg_drive_part_v(d, g, before, &cut->old, time);
+    }
+    rg_drive_part_v(d, g, present, &cut->rest, time);
+    const double reach = m->arena_radius - m->body_radius;
+    const rg_v square = g->x * g->x + g->y * g->y;
+    const rg_m beyond = square > reach * reach;
+    if (rg_which(beyond) != 0) {
+        const rg_v back = rg_pick(beyond, reach / rg_sqrt_v(square), rg_all(1.0));
+        g->x *= back;
+        g->y *= back;
+    }
+}
+
+#endif
