@@ -10,7 +10,7 @@ import numpy as np
 from embedded_sim import Drive, replay
 from embedded_sim.model import FloatArray
 from models.causes import Motion
-from models.identify.tracks import Rows, Tracks
+from models.identify.tracks import AROUND, Rows, Tracks
 
 REGULAR = 1e-6
 """Relative deviation from an even rate that written times may have."""
@@ -92,9 +92,13 @@ def driven(
     origin = np.zeros((len(cut) - 1, 3))
     if total >= 0.0:  # late poses and late commands are the same in motion
         return replay(t, commands, cut, origin, drive=_with(drive, latency=total)).poses
-    step = (t[-1] - t[0]) / (len(t) - 1) if len(cut) == 2 else float(np.median(np.diff(t)))
-    regular = np.abs(np.diff(t) - step) < REGULAR * step
+    took = np.diff(t)
+    left_out = took > AROUND  # rows between windows: none of these looks so far
+    whole = len(cut) == 2 and not left_out.any()
+    step = (t[-1] - t[0]) / (len(t) - 1) if whole else float(np.median(took))
+    regular = np.abs(took - step) < REGULAR * step
     regular[cut[1:-1] - 1] = True
+    regular |= left_out
     if not regular.all():
         return _ahead(t, commands, cut, _with(drive, latency=0.0), -total)
     rows = int(np.ceil(-total / step))

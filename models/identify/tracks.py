@@ -30,8 +30,16 @@ LEAST_SECONDS = 0.2
 """Shorter pieces between two contacts say too little to be worth their rows."""
 MOST_WINDOWS = 600
 """Windows used of one robot: more sharpen nothing that robot-to-robot differences leave visible."""
+ALL_WINDOWS = 3000
+"""Windows used of a swarm, which is fitted as a whole: five minutes of ten robots. Our choice: it
+bounds what the diagnosis of a long log costs."""
+FEW_WINDOWS = 150
+"""Windows that each robot keeps, however many there are."""
 BLOCK_WINDOWS = 5
 """Windows held out or resampled together, one after the other in time."""
+AROUND = 2.0
+"""s before and after the windows used of a long log whose rows are kept: what a robot was told then
+may still show in its windows, for it may be late, or its clock early."""
 
 Rows = npt.NDArray[np.int64]
 
@@ -43,7 +51,7 @@ class Tracks:
     robots: tuple[int, ...]
     """Who, in the order of `groups`."""
     t: FloatArray
-    """(rows,) s."""
+    """(rows,) s; in a long log, rows that no window needs are left out."""
     commands: FloatArray
     """(rows, 2) rad/s."""
     start: Rows
@@ -107,23 +115,45 @@ class Tracks:
         keep[np.asarray(chosen, dtype=np.int64)] = True
         new_index = np.cumsum(keep) - 1
         rows_kept = keep[self.row_robot]
-        moved = np.cumsum(rows_kept) - 1
         in_rows = rows_kept[self.rows]
-        windows = keep[self.robot]
-        length = np.diff(np.append(self.first, len(self.rows)))[windows]
-        segments = keep[self.segment_robot]
-        return replace(
+        length = np.diff(np.append(self.first, len(self.rows)))[keep[self.robot]]
+        some = replace(
             self,
-            robots=tuple(r for r, k in zip(self.robots, keep, strict=True) if k),
-            t=self.t[rows_kept],
-            commands=np.ascontiguousarray(self.commands[rows_kept]),
-            start=np.concatenate([[0], np.cumsum(np.diff(self.start)[segments])]),
-            segment_robot=new_index[self.segment_robot[segments]],
-            encoders=None if self.encoders is None else self.encoders[rows_kept],
-            rows=moved[self.rows[in_rows]],
+            rows=self.rows[in_rows],
             first=np.concatenate([[0], np.cumsum(length)[:-1]]).astype(np.int64),
             measured=self.measured[in_rows],
-            about=self.about[rows_kept],
+        )._of(rows_kept)
+        return replace(
+            some,
+            robots=tuple(r for r, k in zip(self.robots, keep, strict=True) if k),
+            segment_robot=new_index[some.segment_robot],
+        )
+
+    def needed(self) -> Tracks:
+        """The tracks without rows that no window needs."""
+        segment, t = self.row_segment, self.t
+        far = 2.0 * (float(np.ptp(t)) + AROUND)  # keeps segments apart on one axis of time
+        axis = t + far * segment
+        used = axis[self.rows]
+        after = np.searchsorted(used, axis)
+        next_used = used[np.minimum(after, len(used) - 1)]
+        last_used = used[np.maximum(after - 1, 0)]
+        near = np.minimum(np.abs(next_used - axis), np.abs(axis - last_used)) <= AROUND
+        near[self.start[:-1]] = True  # where its time begins
+        return self._of(near)
+
+    def _of(self, kept: npt.NDArray[np.bool_]) -> Tracks:
+        """The tracks of some rows, all those of its windows among them."""
+        number = np.add.reduceat(kept.astype(np.int64), self.start[:-1])
+        return replace(
+            self,
+            t=self.t[kept],
+            commands=np.ascontiguousarray(self.commands[kept]),
+            start=np.concatenate([[0], np.cumsum(number[number > 0])]),
+            segment_robot=self.segment_robot[number > 0],
+            encoders=None if self.encoders is None else self.encoders[kept],
+            rows=(np.cumsum(kept) - 1)[self.rows],
+            about=self.about[kept],
         )
 
 
@@ -144,7 +174,7 @@ def cut_tracks(log: MeasuredLog, model: ModelFile, *, window: float = WINDOW) ->
     order = np.argsort(who, kind="stable")  # robots first; runs and time stay in order
     t, stretch, segment = log.t[order], log.stretch[order], log.segment[order]
     seconds = max(window, (LEAST_ROWS - 1) * log.step * 1.01)
-    rows, first = _windows(t, free[order], stretch, who[order], seconds, log.step)
+    rows, first, thinned = _windows(t, free[order], stretch, who[order], seconds, log.step)
     if not len(first):
         raise InputError("log", "no stretch of free motion", "robots that move clear of contact")
     new = np.concatenate([[True], np.diff(segment) != 0])
@@ -154,8 +184,7 @@ def cut_tracks(log: MeasuredLog, model: ModelFile, *, window: float = WINDOW) ->
     encoders = None
     if set(ENCODERS) <= set(frame.columns):
         encoders = frame[list(ENCODERS)].to_numpy(dtype=np.float64)[order]
-    names = tuple(table.columns)
-    return Tracks(
+    tracks = Tracks(
         robots=tuple(int(r) for r in robots),
         t=t,
         commands=np.ascontiguousarray(log.commands[order]),
@@ -166,9 +195,10 @@ def cut_tracks(log: MeasuredLog, model: ModelFile, *, window: float = WINDOW) ->
         first=first,
         measured=log.poses[order][rows],
         about=table.to_numpy(dtype=np.float64)[order],
-        columns=names,
+        columns=tuple(table.columns),
         noise=noise,
     )
+    return tracks.needed() if thinned else tracks
 
 
 def _windows(
@@ -178,11 +208,12 @@ def _windows(
     who: Rows,
     seconds: float,
     step: float,
-) -> tuple[Rows, Rows]:
-    """Rows in windows of at most so many seconds, and where in them each window begins."""
+) -> tuple[Rows, Rows, bool]:
+    """Rows in windows of at most so many seconds, where in them each window begins, and whether
+    more windows could have been used."""
     rows = np.flatnonzero(free)
     if not len(rows):
-        return rows, rows
+        return rows, rows, False
     away = np.diff(rows) > 1  # a contact or a lost pose between two rows ends a run of rows
     lost = np.diff(t[rows]) > 3.5 * step
     apart = (np.diff(stretch[rows]) != 0) | (np.diff(who[rows]) != 0)
@@ -199,19 +230,23 @@ def _windows(
     span = np.zeros(len(count))
     np.maximum.at(span, window, t[rows] - t[rows][new][window])
     keep = (count >= LEAST_ROWS) & (span >= min(LEAST_SECONDS, (LEAST_ROWS - 1) * step * 0.9))
+    usable = int(keep.sum())
     keep &= _spread(who[rows][new], keep)
     rows, window = rows[keep[window]], window[keep[window]]
-    return rows, np.flatnonzero(np.concatenate([[True], np.diff(window) != 0])[: len(rows)])
+    first = np.flatnonzero(np.concatenate([[True], np.diff(window) != 0])[: len(rows)])
+    return rows, first, len(first) < usable
 
 
 def _spread(who: Rows, usable: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """(windows,) at most `MOST_WINDOWS` of each robot's usable windows, evenly over its log."""
+    """(windows,) of each robot's usable windows at most its share, evenly over its log."""
     keep = np.zeros(len(who), dtype=bool)
-    for robot in np.unique(who):
+    robots = np.unique(who)
+    most = min(MOST_WINDOWS, max(FEW_WINDOWS, ALL_WINDOWS // len(robots)))
+    for robot in robots:
         mine = np.flatnonzero((who == robot) & usable)
-        if len(mine) > MOST_WINDOWS:
+        if len(mine) > most:
             blocks = np.arange(len(mine)) // BLOCK_WINDOWS
-            wanted = np.linspace(0, blocks[-1], MOST_WINDOWS // BLOCK_WINDOWS).astype(np.int64)
+            wanted = np.linspace(0, blocks[-1], most // BLOCK_WINDOWS).astype(np.int64)
             mine = mine[np.isin(blocks, wanted)]
         keep[mine] = True
     return keep

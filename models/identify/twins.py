@@ -17,7 +17,7 @@ from models.causes.withheld import withheld
 from models.identify.fit import Fit, Problem, Term
 from models.identify.predict import wheel_angles
 from models.identify.residual import DEGREES
-from models.identify.tracks import Tracks
+from models.identify.tracks import AROUND, Tracks
 
 LEAST = 6.0
 """Deviance by which one twin must explain the encoders better than the other: odds of 20 to 1."""
@@ -102,6 +102,7 @@ def _encoder_loss(tracks: Tracks, motions: list[Motion]) -> FloatArray:
     inside = np.ones(len(tracks.t), dtype=bool)
     inside[tracks.start[:-1]] = False
     took = np.diff(tracks.t, prepend=tracks.t[0] - 1.0)
+    inside &= took < AROUND  # rows were left out where more time has passed
     speed = np.diff(angle, axis=0, prepend=angle[:1]) / np.where(inside, took, 1.0)[:, None]
     off = (tracks.encoders - speed)[inside]
     known = np.isfinite(off).all(axis=1)
