@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -22,7 +22,9 @@ from studies.experiment import Case, Controller, RunConfig
 Kind = Literal["healthy", "single", "pair", "unlisted", "left_out", "rest"]
 """`left_out`: an effect whose cause the diagnosis must do without; `rest`: the robots of a crowd
 that have nothing."""
-ROUND: tuple[Kind, ...] = (
+Drawn = Literal["healthy", "single", "swarm", "pair", "unlisted"]
+"""What can be asked for; `swarm`: a single effect that the whole swarm has."""
+ROUND: tuple[Drawn, ...] = (
     "single", "healthy", "single", "single", "pair", "single", "unlisted", "single",
 )  # fmt: skip
 """Kinds in turn; our choice: most trials go to the limits, an eighth each to the others."""
@@ -56,11 +58,9 @@ class BlindConfig(BaseModel):
     effects: tuple[str, ...] = ()
     """To draw from; none: a battery of healthy runs."""
     at_bars: bool = False
-    """Hide every effect exactly at its bar, in one robot, for 120 s."""
-    pairs: bool = True
-    """Hide two effects at once in some trials."""
-    unlisted: bool = True
-    """Hide what no catalogue lists in some trials."""
+    """Hide every effect exactly at its bar, for 120 s."""
+    kinds: tuple[Drawn, ...] = ()
+    """Of trials, in turn; none: single ones at the bars, a round of everything otherwise."""
     leave_one_out: bool = False
     """Take the cause of each hidden effect out of the catalogue; every trial is one such."""
     crowd: Annotated[int, Field(ge=1)] = 1
@@ -78,13 +78,20 @@ def blind_config(**values: Any) -> BlindConfig:
     for name in values.get("effects", ()):
         if name not in MENU:
             raise InputError("--only", repr(name), nearest(name, MENU))
+    for kind in values.get("kinds", ()):
+        if kind not in get_args(Drawn):
+            raise InputError("--kind", repr(kind), nearest(kind, get_args(Drawn)))
     try:
-        return BlindConfig(**values)
+        config = BlindConfig(**values)
     except ValidationError as error:
         first = error.errors()[0]
         field = ".".join(str(part) for part in first["loc"])
         expected = first["msg"].removeprefix("Input should be ")
         raise InputError(f"--{field}", first["input"], f"a value {expected}") from None
+    if "swarm" in config.kinds and not any(MENU[name].swarm_bar for name in config.effects):
+        able = ", ".join(name for name, entry in MENU.items() if entry.swarm_bar)
+        raise InputError("--kind", "swarm", f"an effect among {able}")
+    return config
 
 
 @dataclass(frozen=True)
@@ -146,7 +153,7 @@ class Trial:
 def plan(config: BlindConfig) -> tuple[Trial, ...]:
     """Every trial of a battery."""
     drawn: Counter[str] = Counter()
-    singles = strange = 0
+    singles = swarms = strange = 0
     trials = []
     for index in range(config.trials):
         random = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(index,)))
@@ -154,6 +161,10 @@ def plan(config: BlindConfig) -> tuple[Trial, ...]:
         if kind == "single":
             names = _singles(config, singles)
             singles += len(names)
+        elif kind == "swarm":
+            shared = [name for name in config.effects if MENU[name].swarm_bar]
+            names = [shared[swarms % len(shared)]]
+            swarms += 1
         elif kind == "left_out":
             names = [config.effects[index % len(config.effects)]]
         elif kind == "unlisted":
@@ -163,20 +174,18 @@ def plan(config: BlindConfig) -> tuple[Trial, ...]:
             names = _pair(config, random) if kind == "pair" else []
         hidden = _hide(config, names, kind, drawn, random)
         drawn.update(names)
-        trials.append(_trial(config, index, kind, hidden, random))
+        trials.append(_trial(config, index, "single" if kind == "swarm" else kind, hidden, random))
     return tuple(trials)
 
 
-def _kind(config: BlindConfig, index: int) -> Kind:
+def _kind(config: BlindConfig, index: int) -> Drawn | Literal["left_out"]:
     if not config.effects:
         return "healthy"
     if config.leave_one_out:
         return "left_out"
-    if config.at_bars:
-        return "single"
-    kind = ROUND[index % len(ROUND)]
-    possible = {"pair": config.pairs and len(config.effects) > 1, "unlisted": config.unlisted}
-    return kind if possible.get(kind, True) else "single"
+    kinds = config.kinds or (("single",) if config.at_bars else ROUND)
+    kind = kinds[index % len(kinds)]
+    return "single" if kind == "pair" and len(config.effects) < 2 else kind
 
 
 def _singles(config: BlindConfig, first: int) -> list[str]:
@@ -195,7 +204,7 @@ def _pair(config: BlindConfig, random: np.random.Generator) -> list[str]:
 def _hide(
     config: BlindConfig,
     names: Sequence[str],
-    kind: Kind,
+    kind: Drawn | Literal["left_out"],
     drawn: Counter[str],
     random: np.random.Generator,
 ) -> tuple[Hidden, ...]:
@@ -204,11 +213,14 @@ def _hide(
     if kind == "pair" and random.random() < SAME_ROBOT:
         robots[1] = robots[0]
     may_swarm = not config.at_bars and config.crowd == 1 and kind != "left_out"
+    must_swarm = kind == "swarm"
     seen: Counter[str] = Counter()
     hidden = []
     for name, robot in zip(names, robots, strict=False):
         entry = ENTRIES[name]
-        swarm = bool(entry.swarm_bar) and may_swarm and random.random() < SWARM_SHARE
+        swarm = must_swarm or (
+            bool(entry.swarm_bar) and may_swarm and random.random() < SWARM_SHARE
+        )
         bar = entry.swarm_bar if swarm else entry.bar
         strong = kind in ("pair", "unlisted", "left_out")
         size = _size(config, name, bar, drawn[name] + seen[name], strong)

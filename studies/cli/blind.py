@@ -23,11 +23,18 @@ def blind(
         typer.Option(help="Effect to draw from, repeatable; all the diagnosis knows if absent."),
     ] = None,
     at_bars: Annotated[
-        bool, typer.Option("--at-bars", help="Every effect at its bar, one robot, 120 s.")
+        bool, typer.Option("--at-bars", help="Every effect exactly at its bar, in 120 s.")
     ] = False,
     crowd: Annotated[
         int, typer.Option(help="Robots of a run that each have an effect of their own.")
     ] = 1,
+    kind: Annotated[
+        Optional[list[str]],  # noqa: UP045
+        typer.Option(
+            help="healthy, single, swarm (all robots have it), pair or unlisted: trials of these "
+            "in turn, repeatable; single at the bars, else all."
+        ),
+    ] = None,
     leave_one_out: Annotated[
         bool,
         typer.Option(
@@ -57,6 +64,7 @@ def blind(
         seed=seed,
         effects=effects,
         at_bars=at_bars,
+        kinds=tuple(kind or ()),
         leave_one_out=leave_one_out,
         crowd=crowd,
         **lengths,

@@ -95,6 +95,24 @@ def test_at_the_bars_every_trial_hides_one_effect_exactly_at_its_bar_in_one_robo
     assert {t.seconds for t in trials} == {120.0}
 
 
+def test_kinds_of_trials_can_be_asked_for() -> None:
+    effects = ("motor_lag", "wheel_separation", "command_latency")
+    swarms = plan(blind_config(trials=4, effects=effects, at_bars=True, kinds=("swarm",)))
+    hidden = [one for trial in swarms for one in trial.hidden]
+    assert [one.name for one in hidden] == ["wheel_separation", "command_latency"] * 2
+    assert {(one.robots, one.multiple) for one in hidden} == {((), 1.0)}
+    assert hidden[1].values["seconds"] == 0.008
+    turns = plan(blind_config(trials=4, effects=effects, kinds=("pair", "unlisted")))
+    assert [trial.kind for trial in turns] == ["pair", "unlisted", "pair", "unlisted"]
+
+
+def test_kinds_that_cannot_be_are_refused() -> None:
+    with pytest.raises(InputError, match=r"--kind: got .pear., expected .*pair"):
+        blind_config(effects=("motor_lag",), kinds=("pear",))
+    with pytest.raises(InputError, match="--kind: got swarm, expected an effect among"):
+        blind_config(effects=("motor_lag",), kinds=("swarm",))
+
+
 def test_an_unknown_effect_is_refused_with_the_nearest() -> None:
     with pytest.raises(InputError, match=re.escape("did you mean motor_lag?")):
         blind_config(effects=("motor_lagg",))
