@@ -22,37 +22,19 @@ from collections.abc import Collection
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    ValidationError,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, field_validator, model_validator
 
 from embedded_sim.errors import InputError, nearest
 from embedded_sim.model import FloatArray
 from models.catalogue import every_cause
 from models.causes import ALL, Cause, Motion, Parameter
+from models.files import Refused, Table
 from models.senses.cause import Belief, SenseCause
 
 ROBOTS = 'robot numbers from 0, as in [3] or [1, 4], or "all"'
 
 
-class Refused(ValueError):
-    """A value of an extension that cannot be used: which key, what was there, what is valid."""
-
-    def __init__(self, field: str, got: object, expected: str) -> None:
-        self.field, self.got, self.expected = field, got, expected
-        super().__init__(f"{field}: got {got}, expected {expected}")
-
-
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class ParameterValue(_Table):
+class ParameterValue(Table):
     """A value with its 95 % interval."""
 
     value: Annotated[float, Field(strict=True)]
@@ -76,7 +58,7 @@ class ParameterValue(_Table):
             raise Refused(f"{name}.low", f"{self.low:g}", f"at most high, {self.high:g}")
 
 
-class NamedCause(_Table):
+class NamedCause(Table):
     """One cause of the catalogue with values."""
 
     name: str
@@ -151,7 +133,7 @@ class NamedCause(_Table):
         return np.array([self.parameters[p.name].value for p in self.cause.parameters])
 
 
-class Extension(_Table):
+class Extension(Table):
     """Named causes added to a minimal model."""
 
     log: str = ""
@@ -195,6 +177,3 @@ class Extension(_Table):
             if cause.concerns(robot):
                 belief = cause.sensed(belief)
         return belief
-
-
-__all__ = ["Extension", "NamedCause", "ParameterValue", "Refused", "ValidationError"]

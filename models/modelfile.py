@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 
 from embedded_sim import Drive, InputError, PointModel, Tables
 from embedded_sim.errors import nearest
 from models.causes import Motion
-from models.extension import Extension, Refused
+from models.extension import Extension
+from models.files import Table, checked
 from models.tables import load_tables
 
 ROBOTS = Path(__file__).parent / "robots"
@@ -30,13 +31,7 @@ Coordinate = Annotated[float, Field(ge=-100.0, le=100.0, allow_inf_nan=False)]
 Sensing = Literal["required", "declared", "ignored"]
 
 
-class _Table(BaseModel):
-    """A table of a model file: immutable, and without unknown keys."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Robot(_Table):
+class Robot(Table):
     """`[robot]`: a body on two wheels."""
 
     wheel_radius: Length
@@ -49,7 +44,7 @@ class Robot(_Table):
     """rad/s; only judges whether a log's commands are plausible: the point model does not clip."""
 
 
-class Circle(_Table):
+class Circle(Table):
     """A circle on the floor."""
 
     x: Coordinate
@@ -57,7 +52,7 @@ class Circle(_Table):
     radius: Length
 
 
-class Point(_Table):
+class Point(Table):
     """A place on the floor."""
 
     x: Coordinate
@@ -67,7 +62,7 @@ class Point(_Table):
 _NOMINAL = PointModel()
 
 
-class Arena(_Table):
+class Arena(Table):
     """`[arena]`: a circular wall about the origin, the nest, and the food."""
 
     radius: Length = _NOMINAL.arena_radius
@@ -76,21 +71,21 @@ class Arena(_Table):
     food_radius: Length = _NOMINAL.food_radius
 
 
-class Lamps(_Table):
+class Lamps(Table):
     """`[lamps]`: where the lamp stands when it is on, by scenario."""
 
     opposite: Point | None = None
     at_nest: Point | None = None
 
 
-class Sensors(_Table):
+class Sensors(Table):
     """`[sensors]`: the captured tables."""
 
     tables: Path
     """An .npz of `realitygap capture`, relative to the model file."""
 
 
-class ModelFile(_Table):
+class ModelFile(Table):
     """A whole model file."""
 
     name: Annotated[str, Field(min_length=1)]
@@ -162,10 +157,7 @@ def read_model_file(source: Path | str | None = None) -> ModelFile:
         values = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
         raise InputError(str(path), str(error).splitlines()[0], "readable TOML") from None
-    try:
-        return ModelFile.model_validate(values)
-    except ValidationError as error:
-        raise _first_problem(path, error) from None
+    return checked(ModelFile, values, path, "a model file")
 
 
 def load_model(source: Path | str | None = None, *, sensors: Sensing = "required") -> PointModel:
@@ -218,31 +210,3 @@ def _read(source: Path | str | None, sensors: Sensing) -> tuple[ModelFile, Table
             f"{path.name}: sensors", "nothing", 'a table [sensors] with tables = "..."'
         )
     return model, load_tables(path.parent / model.sensors.tables)
-
-
-def _first_problem(path: Path, error: ValidationError) -> InputError:
-    """The first thing wrong with a model file, with the nearest valid key where one is unknown."""
-    first = error.errors()[0]
-    keys = [str(part) for part in first["loc"]]
-    where = f"{path.name}: {'.'.join(keys)}"
-    if first["type"] == "extra_forbidden":
-        return InputError(where, "an unknown key", nearest(keys[-1], _keys_of(keys[:-1])))
-    refused = first.get("ctx", {}).get("error")
-    if isinstance(refused, Refused):
-        keys += refused.field.split(".") if refused.field else []
-        return InputError(f"{path.name}: {'.'.join(keys)}", refused.got, refused.expected)
-    if first["type"] == "missing":
-        return InputError(where, "nothing", "a value (the key must be there)")
-    return InputError(where, repr(first["input"]), first["msg"].removeprefix("Input should be "))
-
-
-def _keys_of(parents: list[str]) -> list[str]:
-    """Valid keys of a nested table of a model file."""
-    table: Any = ModelFile
-    for parent in parents:
-        if parent not in table.model_fields:
-            continue  # a place in a list or a mapping, of whose kind of table we already are
-        annotation = table.model_fields[parent].annotation
-        choices = [annotation, *getattr(annotation, "__args__", ())]
-        table = next(c for c in choices if isinstance(c, type) and issubclass(c, BaseModel))
-    return list(table.model_fields)

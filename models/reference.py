@@ -8,27 +8,24 @@ beyond what health gives. What is named later is what changed.
 
 from __future__ import annotations
 
-import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Protocol, TypeVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import Field
 
 from embedded_sim import Drive, InputError
 from embedded_sim.model import FloatArray
 from models.causes import Motion
+from models.files import Table, read_json, write_json
 from models.identify.inherent import INHERENT
 
 DIRECTORY = Path(__file__).parent / "references"
 SCHEMA = 1
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Spread(_Strict):
+class Spread(Table):
     """What healthy robots get for a term: coordinates (p,), see `models.causes.Parameter`."""
 
     mean: tuple[float, ...]
@@ -41,8 +38,14 @@ class Spread(_Strict):
     """Largest distance, in standard deviations, of a healthy robot."""
     swarm_farthest: float
 
+    def coordinates(self, *, swarm: bool) -> tuple[FloatArray, FloatArray]:
+        """(p,) mean and standard deviation, between robots or between whole swarms."""
+        if swarm:
+            return np.array(self.swarm_mean), np.array(self.swarm_sd)
+        return np.array(self.mean), np.array(self.sd)
 
-class Structure(_Strict):
+
+class Structure(Table):
     """What healthy robots get for a flexible term (`models.identify.structure`)."""
 
     mean: float
@@ -58,7 +61,7 @@ UNKNOWN = Structure(mean=0.0, sd=0.0, swarm_sd=0.0, farthest=0.0, swarm_farthest
 """Where nobody measured healthy robots, whatever follows something is beyond the model."""
 
 
-class Gates(_Strict):
+class Gates(Table):
     """What a name needs beyond what healthy robots show."""
 
     gain: float = 12.0
@@ -73,7 +76,7 @@ class Gates(_Strict):
     ten million healthy robots by chance alone, because the tails of some sixty terms are not."""
 
 
-class Reference(_Strict):
+class Reference(Table):
     """What is believed of healthy robots."""
 
     schema_version: int = SCHEMA
@@ -87,8 +90,8 @@ class Reference(_Strict):
     """Healthy robots and runs it was made from."""
     inherent: tuple[float, ...]
     """Coordinates of `models.identify.inherent.INHERENT`."""
-    terms: dict[str, Spread] = {}
-    structure: dict[str, Structure] = {}
+    terms: dict[str, Spread] = Field(default_factory=dict)
+    structure: dict[str, Structure] = Field(default_factory=dict)
     gates: Gates = Gates()
     command: str = ""
     """What made it."""
@@ -115,16 +118,12 @@ class Reference(_Strict):
         """(p,) healthy mean and standard deviation of a term's coordinates; zeros where unknown."""
         if key not in self.terms:
             return np.zeros(size), np.zeros(size)
-        found = self.terms[key]
-        if swarm:
-            return np.array(found.swarm_mean), np.array(found.swarm_sd)
-        return np.array(found.mean), np.array(found.sd)
+        return self.terms[key].coordinates(swarm=swarm)
 
 
 def write_reference(reference: Reference, path: Path) -> None:
     """Write as JSON, numbers at full precision."""
-    text = json.dumps(reference.model_dump(mode="json"), indent=1, allow_nan=False)
-    path.write_text(text + "\n", encoding="utf-8")
+    write_json(reference, path)
 
 
 def read_reference(path: Path) -> Reference:
@@ -135,15 +134,7 @@ def read_reference(path: Path) -> Reference:
     """
     if not path.is_file():
         raise InputError("--reference", path, "a file written by `realitygap reference`, or none")
-    try:
-        values: Any = json.loads(path.read_text(encoding="utf-8"))
-        return Reference.model_validate(values)
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise InputError(str(path), str(error).splitlines()[0], "readable JSON") from None
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"]) or "content"
-        raise InputError(f"{path.name}: {where}", first["msg"], "a healthy reference") from None
+    return read_json(Reference, path, "a healthy reference")
 
 
 def shipped_reference(model: str, *, manoeuvres: bool = False) -> Reference | None:
@@ -151,10 +142,27 @@ def shipped_reference(model: str, *, manoeuvres: bool = False) -> Reference | No
 
     With `manoeuvres` that of robots which stop and reverse, where there is one.
     """
-    folders = ([DIRECTORY / "manoeuvres"] if manoeuvres else []) + [DIRECTORY]
-    for folder in folders:
-        found = (read_reference(path) for path in sorted(folder.glob("*.json")))
-        for reference in found:
+    return find_shipped(DIRECTORY, read_reference, model, manoeuvres=manoeuvres)
+
+
+class _OfModel(Protocol):
+    @property
+    def model(self) -> str:
+        """Name in the model file it was made with."""
+
+
+Kept = TypeVar("Kept", bound=_OfModel)
+
+
+def find_shipped(
+    directory: Path, read: Callable[[Path], Kept], model: str, *, manoeuvres: bool
+) -> Kept | None:
+    """The first reference for a model of this name in a directory; None: there is none.
+
+    With `manoeuvres` the directory's folder of that name is looked at first.
+    """
+    for folder in ([directory / "manoeuvres"] if manoeuvres else []) + [directory]:
+        for reference in map(read, sorted(folder.glob("*.json"))):
             if reference.model == model:
                 return reference
     return None

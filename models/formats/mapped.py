@@ -25,10 +25,11 @@ from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 
 from embedded_sim import InputError
 from embedded_sim.errors import nearest
+from models.files import Table, checked
 from models.formats.joined import join, latest, series
 from models.log import read_table
 from models.plausible import EPUCK_STEPS
@@ -50,10 +51,8 @@ SCALES: dict[str, dict[str, float]] = {
 second are a wheel's alone."""
 
 
-class Source(BaseModel):
+class Source(Table):
     """Where a column comes from."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     name: Annotated[str, Field(alias="from")]
     unit: str | None = None
@@ -61,19 +60,15 @@ class Source(BaseModel):
     """Multiplies after the unit: -1 turns a clockwise yaw round."""
 
 
-class Poses(BaseModel):
+class Poses(Table):
     """A second file with the poses."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     file: Path
     t: Source | str
 
 
-class Map(BaseModel):
+class Map(Table):
     """A whole map."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     columns: dict[str, Source | str]
     poses: Poses | None = None
@@ -87,13 +82,9 @@ def read_map(path: Path) -> Map:
     """
     try:
         values = tomllib.loads(path.read_text(encoding="utf-8"))
-        found = Map.model_validate(values)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"])
-        raise InputError(f"{path.name}: {where}", repr(first["input"])[:80], first["msg"]) from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError("--map", str(error).splitlines()[0], "a readable TOML map") from None
+    found = checked(Map, values, path, "a map")
     for name, source in found.columns.items():
         if name not in UNITS:
             raise InputError(

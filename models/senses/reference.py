@@ -6,17 +6,16 @@ whole healthy swarms get for it. It is a file of its own beside the motion's.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import Field
 
 from embedded_sim import InputError
 from embedded_sim.model import FloatArray
-from models.reference import UNKNOWN, Structure
+from models.files import Table, read_json, write_json
+from models.reference import UNKNOWN, Spread, Structure, find_shipped
 from models.senses.cause import Belief
 from models.senses.causes import sense_causes
 
@@ -38,27 +37,15 @@ JOINT_MARGIN = 1.1
 """Times what the most conspicuous healthy log reached. Our choice: there are few healthy logs."""
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+class Health(Spread):
+    """What healthy robots get for a term, and what it gains in them."""
 
-
-class Health(_Strict):
-    """What healthy robots get for a term: coordinates (p,)."""
-
-    mean: tuple[float, ...]
-    sd: tuple[float, ...]
-    """Between robots, their own uncertainty taken off."""
-    swarm_mean: tuple[float, ...]
-    swarm_sd: tuple[float, ...]
-    farthest: float
-    """Largest distance, in standard deviations, of a healthy robot."""
-    swarm_farthest: float
     gain: float
     """Largest held-out deviance that the term took off a healthy robot."""
     swarm_gain: float
 
 
-class Level(_Strict):
+class Level(Table):
     """A number of healthy robots, and its standard deviations between robots and swarms."""
 
     mean: float = 0.0
@@ -69,23 +56,23 @@ class Level(_Strict):
     swarm_farthest: float = 0.0
 
 
-class SenseReference(_Strict):
+class SenseReference(Table):
     """What is believed of healthy robots' senses."""
 
     schema_version: int = SCHEMA
     model: str
     robots: int
     swarms: int
-    inherent: dict[str, float] = {}
+    inherent: dict[str, float] = Field(default_factory=dict)
     """Coordinates of `INHERENT`."""
-    terms: dict[str, Health] = {}
+    terms: dict[str, Health] = Field(default_factory=dict)
     noise: Level = Level()
     """Logarithm of the infrared errors' scale over the tables' noise."""
     targets: Level = Level()
     """Logarithm of what infrared reads of other robots over what it would of a wall there."""
     clock: Level = Level()
     """s by which healthy robots' poses are late against their readings."""
-    structure: dict[str, Structure] = {}
+    structure: dict[str, Structure] = Field(default_factory=dict)
     """What healthy robots get for every flexible term (`models.senses.structure`)."""
     joint: float = 1.0
     """Times its own gate that the most conspicuous of all flexible terms of a healthy log reached,
@@ -108,10 +95,7 @@ class SenseReference(_Strict):
         """(p,) healthy mean and standard deviation of a term's coordinates."""
         if key not in self.terms:
             return np.zeros(size), np.zeros(size)
-        found = self.terms[key]
-        if swarm:
-            return np.array(found.swarm_mean), np.array(found.swarm_sd)
-        return np.array(found.mean), np.array(found.sd)
+        return self.terms[key].coordinates(swarm=swarm)
 
     def gates(self, key: str, *, swarm: bool) -> tuple[float, float]:
         """Gain and distance that a term needs.
@@ -179,8 +163,7 @@ def no_sense_reference(model: str) -> SenseReference:
 
 def write_sense_reference(reference: SenseReference, path: Path) -> None:
     """Write as JSON, numbers at full precision."""
-    text = json.dumps(reference.model_dump(mode="json"), indent=1, allow_nan=False)
-    path.write_text(text + "\n", encoding="utf-8")
+    write_json(reference, path)
 
 
 def read_sense_reference(path: Path) -> SenseReference:
@@ -191,15 +174,7 @@ def read_sense_reference(path: Path) -> SenseReference:
     """
     if not path.is_file():
         raise InputError("reference of the senses", path, "a file of `realitygap reference`")
-    try:
-        values: Any = json.loads(path.read_text(encoding="utf-8"))
-        return SenseReference.model_validate(values)
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise InputError(str(path), str(error).splitlines()[0], "readable JSON") from None
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"]) or "content"
-        raise InputError(f"{path.name}: {where}", first["msg"], "a reference of senses") from None
+    return read_json(SenseReference, path, "a reference of the senses")
 
 
 def beside(motion: Path) -> Path:
@@ -212,10 +187,4 @@ def shipped_sense_reference(model: str, *, manoeuvres: bool = False) -> SenseRef
 
     With `manoeuvres` that of robots which stop and reverse, where there is one.
     """
-    folders = ([DIRECTORY / "manoeuvres"] if manoeuvres else []) + [DIRECTORY]
-    for folder in folders:
-        found = (read_sense_reference(path) for path in sorted(folder.glob("*.json")))
-        for reference in found:
-            if reference.model == model:
-                return reference
-    return None
+    return find_shipped(DIRECTORY, read_sense_reference, model, manoeuvres=manoeuvres)

@@ -140,11 +140,28 @@ def test_a_reference_survives_its_file(tmp_path: Path) -> None:
     assert read_reference(tmp_path / "a.json") == made
 
 
-@pytest.mark.parametrize("text", ["{", "[]", '{"model": 3}'])
-def test_what_is_no_reference_is_refused(text: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("{", "JSON"),
+        ("[]", r"r\.json: got \[\], expected a healthy reference"),
+        ("{}", r"r\.json: model: got nothing, expected a value"),
+        ('{"model": 3}', r"r\.json: model: got 3, expected a valid string"),
+    ],
+)
+def test_what_is_no_reference_is_refused(text: str, says: str, tmp_path: Path) -> None:
     path = tmp_path / "r.json"
     path.write_text(text)
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match=says) as refusal:
+        read_reference(path)
+    assert "\n" not in str(refusal.value)
+
+
+def test_an_unknown_key_of_a_reference_is_refused_with_the_nearest(tmp_path: Path) -> None:
+    path = tmp_path / "r.json"
+    write_reference(no_reference("m", read_model_file("epuck").motion().drive), path)
+    path.write_text(path.read_text().replace('"margin"', '"margn"'))
+    with pytest.raises(InputError, match=r"gates\.margn: .*did you mean margin"):
         read_reference(path)
 
 

@@ -1,0 +1,109 @@
+"""Files whose content has a schema: kept, read, and refused in one line that says what is wrong."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from embedded_sim.errors import InputError, nearest
+
+LONGEST = 80
+"""Letters of a refused value that are shown."""
+
+
+class Table(BaseModel):
+    """A table of a file: immutable, and without unknown keys."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+Content = TypeVar("Content", bound=Table)
+
+
+class Refused(ValueError):
+    """A value that a validator refuses: which key below its own, what was there, what is valid."""
+
+    def __init__(self, field: str, got: object, expected: str) -> None:
+        self.field, self.got, self.expected = field, got, expected
+        super().__init__(f"{field}: got {got}, expected {expected}")
+
+
+def read_json(kind: type[Content], path: Path, what: str) -> Content:
+    """Read a JSON file.
+
+    Args:
+        kind: Schema of the whole file.
+        path: The file.
+        what: Name of the kind, in a refusal.
+
+    Raises:
+        InputError: it cannot be read, or as `checked`.
+    """
+    try:
+        values = json.loads(path.read_text(encoding="utf-8"))
+    except (json.JSONDecodeError, UnicodeDecodeError, OSError) as error:
+        raise InputError(str(path), str(error).splitlines()[0], "readable JSON") from None
+    return checked(kind, values, path, what)
+
+
+def write_json(content: BaseModel, path: Path) -> None:
+    """Write as JSON, numbers at full precision."""
+    text = json.dumps(content.model_dump(mode="json"), indent=1, allow_nan=False)
+    path.write_text(text + "\n", encoding="utf-8")
+
+
+def checked(kind: type[Content], values: object, path: Path, what: str) -> Content:
+    """What a file holds, by its schema.
+
+    Raises:
+        InputError: the first unknown or missing key or wrong value; an unknown key with the
+            nearest valid one.
+    """
+    try:
+        return kind.model_validate(values)
+    except ValidationError as error:
+        raise _first_problem(kind, path, what, error) from None
+
+
+def _first_problem(
+    kind: type[BaseModel], path: Path, what: str, error: ValidationError
+) -> InputError:
+    """Which key, what was there, what is valid."""
+    first = error.errors()[0]
+    keys = [str(part) for part in first["loc"]]
+    refused = first.get("ctx", {}).get("error")
+    if isinstance(refused, Refused):
+        keys += refused.field.split(".") if refused.field else []
+        return InputError(f"{path.name}: {'.'.join(keys)}", refused.got, refused.expected)
+    got = repr(first["input"])[:LONGEST]
+    if not keys:
+        return InputError(path.name, got, what)
+    where = f"{path.name}: {'.'.join(keys)}"
+    if first["type"] == "extra_forbidden":
+        return InputError(where, "an unknown key", nearest(keys[-1], _keys_of(kind, keys[:-1])))
+    if first["type"] == "missing":
+        return InputError(where, "nothing", f"a value (the key must be there in {what})")
+    if first["type"] == "model_type":
+        return InputError(where, got, "a table")
+    return InputError(where, got, first["msg"].removeprefix("Input should be "))
+
+
+def _keys_of(kind: type[BaseModel], parents: list[str]) -> list[str]:
+    """Valid keys of a nested table."""
+    for parent in parents:
+        field = kind.model_fields.get(parent)
+        if field is not None:  # else a place in a list or a mapping, whose tables `kind` describes
+            kind = next(_tables(field.annotation), kind)
+    return [field.alias or name for name, field in kind.model_fields.items()]
+
+
+def _tables(annotation: Any) -> Iterator[type[BaseModel]]:
+    """The schemas that an annotation names."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for inner in get_args(annotation):
+        yield from _tables(inner)
