@@ -152,8 +152,10 @@ MENU: Mapping[str, Entry] = {
     "light_gamma": Entry(unit=SHARE, bar=0.05, lit=True, values=_around("exponent", 1.0)),
     "ls_dead_sensor": Entry(unit="", bar=0.0, values=_one_sensor),
     # task
-    "nest_moved": Entry(unit="m", bar=0.010, values=_displaced),
-    "nest_radius": Entry(unit=SHARE, bar=0.03, largest=0.9, values=_around("scale", 1.0)),
+    "nest_moved": Entry(unit="m", bar=0.010, swarm_bar=0.010, values=_displaced),
+    "nest_radius": Entry(
+        unit=SHARE, bar=0.03, swarm_bar=0.03, largest=0.9, values=_around("scale", 1.0)
+    ),
 }
 """By name of the effect."""
 
