@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -42,9 +42,6 @@ class Parameter:
     doubt: float = 0.0
     """Standard error of what the point model's term is worth in the physical unit, relative to the
     coordinate: a rigid body on a floor is not exactly a point on two wheels."""
-    doubt_beside: float = 0.0
-    """Standard error of the coordinate where another cause of the family is named with it: what
-    one loses the other gains."""
 
     @property
     def zero(self) -> float:
@@ -96,6 +93,9 @@ class Cause:
     family: str = ""
     """Causes of one family shape the same moments of a path: one that is only roughly right leaves
     errors that another seems to explain."""
+    feigns: Mapping[str, float] = field(default_factory=dict, hash=False)
+    """By name of another cause, standard deviation of what a robot with this one seems to have of
+    that, in its coordinate: the point model's term is only roughly what happens on the floor."""
     twins: tuple[str, ...] = ()
     """Causes that act on poses exactly alike; `separated_by` tells them apart."""
     as_twin: Callable[[Motion, Motion], float | None] | None = None

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 from embedded_sim.model import FloatArray
 from models.causes.cause import Cause, Parameter
-from models.causes.command_latency import LAGGING
 from models.causes.motion import Motion
 
 
@@ -25,7 +24,6 @@ CAUSE = Cause(
             low=-1.0,
             high=1.0,
             step=1e-3,
-            doubt_beside=LAGGING,
         ),
     ),
     change=_change,

@@ -16,6 +16,16 @@ ORDER = 1.06
 Measured with 25 and 50 ms behind the nominal world's motors."""
 STARTS = (0.02, 0.1)
 """s to start from: at the null a lag hides behind the motors' own."""
+FEIGNS = {
+    "command_latency": 0.0038,
+    "clock_offset": 0.0038,
+    "weak_motor": 0.23,
+    "low_friction": 0.23,
+    "wheel_separation": 0.0017,
+    "wheel_radius_scale": 0.0009,
+    "speed_droop": 1e-5,
+}
+"""As for `low_friction`, with 15 to 100 ms."""
 
 
 def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
@@ -48,6 +58,7 @@ CAUSE = Cause(
     ),
     change=_change,
     family="transient",
+    feigns=FEIGNS,
     confusable_with=("command_latency", "weak_motor", "low_friction"),
     experiment="steps",
     starts=_starts,

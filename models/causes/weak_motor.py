@@ -21,6 +21,16 @@ robot's mass at the wheel's radius): taken where no healthy reference says what 
 do."""
 STARTS = (-0.4, -1.5)
 """Coordinates to start from: two thirds and a fifth of the torque."""
+FEIGNS = {
+    "command_latency": 0.0025,
+    "clock_offset": 0.0025,
+    "motor_lag": 0.008,
+    "wheel_separation": 0.0035,
+    "wheel_radius_scale": 0.0015,
+    "speed_droop": 1.5e-5,
+    "tracker_offset": 1e-4,
+}
+"""As for `low_friction`, with a fifth to two thirds of the torque."""
 
 
 def limited(drive: Drive, share: float) -> Pair:
@@ -58,6 +68,7 @@ CAUSE = Cause(
     ),
     change=_change,
     family="transient",
+    feigns=FEIGNS,
     confusable_with=("low_friction", "motor_lag"),
     twins=("low_friction",),
     separated_by=("wheel_left", "wheel_right"),

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from embedded_sim.model import FloatArray
 from models.causes import Motion
+from models.identify.feigned import believable, feigned
 from models.identify.fit import Problem, Term, Terms
 from models.identify.measure import strength
 from models.identify.screen import Glance, glance
@@ -92,10 +93,10 @@ def identify(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
     for k in _suspects(tracks, seen, reference):
         alone = Problem(tracks.only([k]), [explained[k]])
         choice = choose(alone, reference)
-        new, motion = _names(alone, choice, reference, swarm=False)
+        new, motion, mimicked = _names(alone, choice, reference, swarm=False)
         named += new
         explained[k] = motion[0]
-        mimics[k] = mimics.get(k, ()) + choice.mimics
+        mimics[k] = mimics.get(k, ()) + mimicked
         choices[k] = choice
     return Identified(
         named=tuple(named),
@@ -125,11 +126,11 @@ def _swarm(
     said = [*choice.named, *(mimic.evidence for mimic in choice.mimics)]
     if not said or not all(_common(problem, choice, one) for one in said):
         return None
-    named, motions = _names(problem, choice, reference, swarm=bool(sharing.all()))
+    named, motions, mimics = _names(problem, choice, reference, swarm=bool(sharing.all()))
     explained = list(base)
     for k, motion in zip(chosen, motions, strict=True):
         explained[k] = motion
-    return named, explained, choice
+    return named, explained, replace(choice, mimics=mimics)
 
 
 def _common(problem: Problem, choice: Choice, evidence: Evidence) -> bool:
@@ -145,8 +146,8 @@ def _common(problem: Problem, choice: Choice, evidence: Evidence) -> bool:
 
 def _names(
     problem: Problem, choice: Choice, reference: Reference, *, swarm: bool
-) -> tuple[list[Named], list[Motion]]:
-    """The choice's evidence with values and twins, and the robots' motions."""
+) -> tuple[list[Named], list[Motion], tuple[Mimic, ...]]:
+    """The choice's evidence with values and twins, the robots' motions, and what only mimics."""
     fit = choice.fit
     swapped = {}
     for evidence in choice.named:
@@ -155,13 +156,14 @@ def _names(
         fit = found.fit
     group = len(problem.tracks.robots) > 1
     named = []
-    for evidence in choice.named:
+    believed, mimics = believable(problem, choice, swapped, reference)
+    for evidence in believed:
         twins = swapped[evidence.term]
         at = fit.part(twins.chosen)
         size = at.stop - at.start
         mean, sd = reference.spread(evidence.term.key, size, swarm=group)
-        if twins.chosen != evidence.term:  # the healthy value is in the representative's coordinate
-            mean, sd = np.zeros(size), np.zeros(size) + _converted(sd, twins.chosen)
+        if twins.chosen != evidence.term:  # the healthy mean is in the representative's coordinate
+            mean = np.zeros(size)
         if twins.chosen.cause.smooth:
             told = values(
                 twins.chosen,
@@ -170,7 +172,7 @@ def _names(
                 problem.tracks.commands,
                 mean,
                 sd,
-                beside=any(_kin(evidence, other) for other in choice.named),
+                feigned(twins, [swapped[o.term] for o in believed if o is not evidence]),
             )
         else:
             told = (_threshold(problem, fit.terms, fit.coordinates, at.start, twins.chosen),)
@@ -184,22 +186,11 @@ def _names(
                 twins=twins.others,
             )
         )
-    poor = {mimic.evidence.term for mimic in choice.mimics}
+    poor = {mimic.evidence.term for mimic in mimics}
     terms = tuple(term for term in fit.terms if term not in poor)
     columns = [np.r_[fit.part(term)] for term in terms]
     kept = fit.coordinates[:, np.concatenate([np.r_[0:0], *columns])]
-    return named, problem.motions(terms, kept)
-
-
-def _kin(one: Evidence, other: Evidence) -> bool:
-    """Whether two causes are different ones of one family."""
-    family = one.term.cause.family
-    return one is not other and bool(family) and other.term.cause.family == family
-
-
-def _converted(sd: FloatArray, twin: Term) -> FloatArray:
-    """Healthy spread of a representative's coordinate, as the twin's: the same kind of number."""
-    return sd
+    return named, problem.motions(terms, kept), mimics
 
 
 def _threshold(

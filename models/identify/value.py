@@ -35,8 +35,7 @@ def values(
     commands: FloatArray,
     mean: FloatArray,
     sd: FloatArray,
-    *,
-    beside: bool = False,
+    feigned: float = 0.0,
 ) -> tuple[Value, ...]:
     """A term's parameters less what healthy robots get for them.
 
@@ -50,7 +49,7 @@ def values(
         commands: (rows, 2).
         mean: (p,) healthy strength.
         sd: (p,) healthy spread.
-        beside: Whether another cause of its family is named with it.
+        feigned: Standard deviation of what causes named with it feign of this one.
     """
     limits = any(not np.isfinite(p.null) for p in term.cause.parameters)
     error = uncertainty(term, coordinates[None], covariance[None])[0]
@@ -70,7 +69,7 @@ def values(
         )
     found = []
     for p, u, h in zip(term.cause.parameters, coordinates - mean, half, strict=True):
-        rough = np.hypot(p.doubt * abs(u), p.doubt_beside if beside else 0.0)
+        rough = np.hypot(p.doubt * abs(u), feigned)
         h = float(np.hypot(h, NOMINAL * rough))
         low, value, high = (p.value(float(np.clip(v, *p.bounds))) for v in (u - h, u, u + h))
         found.append(Value(p.name, value, low, high, p.unit))

@@ -244,3 +244,14 @@ def test_beside_an_unknown_drift_of_all_only_the_true_fault_is_named() -> None:
     assert found.unexplained[0].robots == "all"
     assert found.unexplained[0].quantity == "heading"
     assert names(found) == [("wheel_separation", (1,))]
+
+
+@pytest.mark.parametrize(("axle", "both"), [(1.01, False), (1.1, True)])
+def test_beside_slipping_wheels_only_more_than_they_feign_is_named(axle: float, both: bool) -> None:
+    """On a floor, wheels that slip look like another axle by a per cent."""
+    slips = replace(HEALTHY, acceleration=(30.0, 30.0), axle=0.053 * axle)
+    found = diagnosed(table(21, {1: slips}))
+    told = {one.term.cause.name for one in found.named}
+    assert ("wheel_separation" in told) is both
+    assert told & {"weak_motor", "low_friction"}
+    assert not found.unexplained
