@@ -15,7 +15,7 @@ from models.gap import LEVEL, Gap
 from models.horizons import COLUMNS
 from models.log import MeasuredLog
 from models.motion_gap import UNITS, MotionGap
-from studies.coevolution_gap import CoevolutionGap
+from studies.fitness_gap.by_third import CoevolutionGap
 
 DPI = 110
 MAPPED = "1 s"

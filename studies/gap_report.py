@@ -15,7 +15,7 @@ from models.log import MeasuredLog, write_table
 from models.motion_gap import UNITS
 from models.noise import pose_noise
 from models.shares import Share, explained
-from studies.coevolution_gap import CoevolutionGap
+from studies.fitness_gap.by_third import CoevolutionGap
 from studies.gap_figures import draw_coevolution, draw_figures
 from studies.gap_words import fitness_line, ranked_maps, summary
 

@@ -8,7 +8,7 @@ from models.flips import Map
 from models.gap import LEVEL, TOTAL_LEVEL, Gap
 from models.log import MeasuredLog
 from models.shares import Share, explained, telling
-from studies.coevolution_gap import CoevolutionGap
+from studies.fitness_gap.by_third import CoevolutionGap
 
 MOST = 10
 """Lines."""

@@ -32,7 +32,8 @@ def gap(
     from models.gap import measure_gap
     from models.log import SAMPLES, read_log
     from models.modelfile import find_model_file, load_common, read_model_file
-    from studies.coevolution_gap import coevolution_gap, find_generations, read_generations
+    from studies.fitness_gap.by_third import coevolution_gap
+    from studies.fitness_gap.generations import find_generations, read_generations
     from studies.gap_report import write_coevolution, write_gap
     from studies.output import check_free, whole_directory
 

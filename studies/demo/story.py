@@ -19,10 +19,10 @@ from studies.altered import MODEL, AlteredRun, Files, keep, read_files, run_alte
 from studies.blind.record import COMMAND, LOG, diagnose
 from studies.blind.scoring import Score, score
 from studies.blind.trials import Trial
-from studies.coevolution_gap import coevolution_gap
 from studies.demo.hide import Secret, draw, run_seed, seal, unseal
 from studies.execution import Workers, completed
 from studies.experiment import FIXED_GENOMES, RunConfig
+from studies.fitness_gap.by_third import coevolution_gap
 from studies.gain.measure import Gain, GainRequest, measure_gain
 from studies.gain.report import write_gain
 from studies.progress import Progress

@@ -8,10 +8,12 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
+from studies.fitness_gap.anew import PARTS, TRIALS, decompose, fresh_fitness_of
 from studies.output import whole_file
-from studies.paper import figures, gap, gap_figures
+from studies.paper import figures, gap_figures
 from studies.paper.conditions import PlannedRun, StudyConfig
 from studies.paper.directory import StudyDirectory
+from studies.paper.gap_tables import controllers_table, gap_table
 from studies.paper.page import Picture, Section, Table, number, write_page
 from studies.paper.tables import StudyTables, collect
 from studies.paper.verdicts import weigh_claims
@@ -34,14 +36,14 @@ def write_report(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.DataF
     """Make everything from the runs of a finished study; returns the claims table."""
     out, study = directory.out, directory.study
     tables = collect(directory)
-    fresh = gap.fresh_fitness_of(study.model, study.robots, study.seed)
-    gaps = gap.decompose(tables.generations, fresh, study.minutes)
+    fresh = fresh_fitness_of(study.model, study.robots, study.seed)
+    gaps = decompose(tables.generations, fresh, study.minutes)
     claims = weigh_claims(tables, study.seed)
     runs = tables.runs.merge(_gap_of_runs(gaps), on=["condition", "variant", "run"], how="left")
     write_parquet(runs, out / "study.parquet")
     write_parquet(tables.generations, out / "generations.parquet")
-    table = gap.gap_table(gaps)
-    controllers = gap.controllers_table(fresh.mean(axis=0))
+    table = gap_table(gaps)
+    controllers = controllers_table(fresh.mean(axis=0))
     for name, frame in (("claims", claims), ("gap", table), ("controllers", controllers)):
         write_csv(frame, out / f"{name}.csv")
     drawn = _figures(tables, gaps, out / "figures")
@@ -76,7 +78,7 @@ CLAIMS_TEXT = (
 GAP_TEXT = (
     "All in seconds of fitness (eq. 1) per generation of 60 s. The first table gives the gap and "
     "its parts by case and by what the robot believed; the second what each of the nine "
-    f"controllers earns in each simulated scenario, a mean of {gap.TRIALS} fresh trials.",
+    f"controllers earns in each simulated scenario, a mean of {TRIALS} fresh trials.",
 )
 
 
@@ -175,8 +177,8 @@ def _figures(tables: StudyTables, gaps: pd.DataFrame, folder: Path) -> dict[str,
 
 def _gap_of_runs(gaps: pd.DataFrame) -> pd.DataFrame:
     """Mean gap and parts of each run."""
-    means = gaps.groupby(["condition", "variant", "index"])[["gap", *gap.PARTS]].mean()
-    names = {"index": "run", **{part: f"gap_{part}" for part in gap.PARTS}}
+    means = gaps.groupby(["condition", "variant", "index"])[["gap", *PARTS]].mean()
+    names = {"index": "run", **{part: f"gap_{part}" for part in PARTS}}
     return means.reset_index().rename(columns=names)
 
 

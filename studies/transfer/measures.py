@@ -9,9 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from embedded_sim import CONTROL_STEP
-from embedded_sim.onboard import GENERATION_STEPS
 from studies.experiment import HALVES
+from studies.fitness_gap.generations import whole
 from studies.paper.directory import StudyDirectory
 from studies.transfer.plan import MODELS, TransferConfig, TransferRun
 
@@ -61,8 +60,7 @@ def _course(run: TransferRun, path: Path) -> npt.NDArray[np.float64]:
 def _fitness(run: TransferRun, path: Path) -> dict[str, float]:
     """Means over the whole generations of all robots; NaN without evolution."""
     table = pd.read_parquet(path / "generations.parquet")
-    lived = table["t_end"] - table["t_start"]
-    table = table[lived > (GENERATION_STEPS - 1) * CONTROL_STEP]
+    table = table[whole(table)]
     third = pd.to_numeric(table["s0_third"], errors="coerce").astype(float)
     right = (third == HALVES[run.config.case][0]).where(third.notna())
     return {

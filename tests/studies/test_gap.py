@@ -9,7 +9,8 @@ import pytest
 
 from embedded_sim import Drive, InputError
 from studies.cli import app
-from studies.coevolution_gap import coevolution_gap, read_generations
+from studies.fitness_gap.by_third import coevolution_gap
+from studies.fitness_gap.generations import read_generations
 from tests.helpers import COMMAND, ENVIRONMENT, ROOT, realitygap
 from tests.models.small import driven_log, shared_data
 

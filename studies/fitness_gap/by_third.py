@@ -1,4 +1,4 @@
-"""The gap while co-evolving: fitness in the embedded simulator against fitness in reality.
+"""The gap in fitness by the third that S0 is in: the robot's model and the environment's.
 
 A controller's fitness in the simulator that bred it (F_S) and in the following minute of reality
 (F_R) differ. Where the simulator's environment gene lies in the third that matches the light, what
@@ -8,20 +8,13 @@ much); what is added where it lies in a wrong third is the environment's model.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from embedded_sim import CONTROL_STEP, InputError
-from embedded_sim.onboard import GENERATION_STEPS
-from studies.experiment import HALVES
+from studies.fitness_gap.generations import COLUMNS, scenario, whole
 
-COLUMNS = (
-    *("run", "robot", "generation", "t_start", "t_end", "case"),
-    *("s0_third", "fitness_sim", "fitness_real"),
-)
 BOOTSTRAPS = 2000
 INTERVAL = (0.025, 0.975)
 """Quantiles of a 95 % interval."""
@@ -45,29 +38,6 @@ class CoevolutionGap(NamedTuple):
         return dict.fromkeys(("fitness_sim", "fitness_real", "gap"), "s")
 
 
-def find_generations(source: Path) -> Path | None:
-    """The `generations.parquet` of a run's or a study's directory, if there is one."""
-    path = source / "generations.parquet"
-    return path if source.is_dir() and path.is_file() else None
-
-
-def read_generations(path: Path) -> pd.DataFrame:
-    """A table of generations.
-
-    Raises:
-        InputError: not such a table, or columns are missing.
-    """
-    try:
-        table = pd.read_parquet(path)
-    except (ValueError, OSError) as error:
-        said = (str(error) or type(error).__name__).splitlines()[0][:200]
-        raise InputError(str(path), said, "a table of generations") from None
-    missing = [name for name in COLUMNS if name not in table]
-    if missing:
-        raise InputError(str(path), f"no column {missing[0]}", f"columns {', '.join(COLUMNS)}")
-    return table
-
-
 def coevolution_gap(generations: pd.DataFrame, *, seed: int = 0) -> CoevolutionGap | None:
     """F_S - F_R split by whether S0's third matches the case; None without any bred controller.
 
@@ -79,7 +49,9 @@ def coevolution_gap(generations: pd.DataFrame, *, seed: int = 0) -> CoevolutionG
             short by the run's end, or in which the lamp moved, are left out and counted.
         seed: Of the resampling.
     """
-    truth = _scenario(generations)
+    # a table of generations has no other time of the lamp's move: a run ends with the last of them
+    half = generations.groupby("run", observed=True)["t_end"].transform("max") / 2
+    truth = scenario(generations, half)
     third = pd.to_numeric(generations["s0_third"], errors="coerce").astype(float)
     sim = pd.to_numeric(generations["fitness_sim"], errors="coerce").astype(float)
     real = pd.to_numeric(generations["fitness_real"], errors="coerce").astype(float)
@@ -90,9 +62,7 @@ def coevolution_gap(generations: pd.DataFrame, *, seed: int = 0) -> CoevolutionG
         fitness_real=real,
         gap=sim - real,
     )
-    lived = generations["t_end"] - generations["t_start"]
-    whole = lived > (GENERATION_STEPS - 1) * CONTROL_STEP
-    usable = whole & truth.notna() & third.notna() & table["gap"].notna()
+    usable = whole(generations) & truth.notna() & third.notna() & table["gap"].notna()
     left_out = int((~usable).sum())
     table = table[usable].reset_index(drop=True)
     if table.empty:
@@ -106,20 +76,6 @@ def coevolution_gap(generations: pd.DataFrame, *, seed: int = 0) -> CoevolutionG
     return CoevolutionGap(table, report)
 
 
-def _scenario(generations: pd.DataFrame) -> pd.Series[float]:
-    """The scenario each generation lived under; NaN where unknown or where the lamp moved within
-    it.
-
-    A run in which the lamp moves has no time but its generations': it ends with the last of them.
-    """
-    case = generations["case"].astype(str)
-    half = generations.groupby("run", observed=True)["t_end"].transform("max") / 2
-    first, second = (case.map({name: pair[k] for name, pair in HALVES.items()}) for k in (0, 1))
-    before, after = generations["t_end"] <= half, generations["t_start"] >= half
-    moved = first.where(before, second.where(after))
-    return first.where(first == second, moved).astype(float)
-
-
 def _split(table: pd.DataFrame, seed: int) -> dict[str, Any]:
     """Means, and the two parts of the gap with intervals."""
     several = table["run"].nunique() >= ENOUGH_RUNS
@@ -130,7 +86,7 @@ def _split(table: pd.DataFrame, seed: int) -> dict[str, Any]:
     sums = np.column_stack(
         [np.bincount(cluster, w, clusters) for w in (right, gap * right, ~right, gap * ~right)]
     )
-    whole = _parts(sums.sum(axis=0))
+    overall = _parts(sums.sum(axis=0))
     result: dict[str, Any] = _means(table)
     rng = np.random.default_rng(np.random.SeedSequence(seed))
     drawn = np.empty((0, 3))
@@ -140,7 +96,7 @@ def _split(table: pd.DataFrame, seed: int) -> dict[str, Any]:
     for k, name in enumerate(("total", "robot_model", "environment_model")):
         known = drawn[np.isfinite(drawn[:, k]), k]
         low, high = np.quantile(known, INTERVAL) if len(known) else (np.nan, np.nan)
-        result[name] = {"value": _plain(whole[k]), "low": _plain(low), "high": _plain(high)}
+        result[name] = {"value": _plain(overall[k]), "low": _plain(low), "high": _plain(high)}
     return result
 
 

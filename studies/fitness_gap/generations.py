@@ -1,0 +1,59 @@
+"""Which generations tell of the gap in fitness, and under which light each lived."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+
+from embedded_sim import CONTROL_STEP, InputError
+from embedded_sim.onboard import GENERATION_STEPS
+from studies.experiment import HALVES
+
+COLUMNS = (
+    *("run", "robot", "generation", "t_start", "t_end", "case"),
+    *("s0_third", "fitness_sim", "fitness_real"),
+)
+
+
+def find_generations(source: Path) -> Path | None:
+    """The `generations.parquet` of a run's or a study's directory, if there is one."""
+    path = source / "generations.parquet"
+    return path if source.is_dir() and path.is_file() else None
+
+
+def read_generations(path: Path) -> pd.DataFrame:
+    """A table of generations.
+
+    Raises:
+        InputError: not such a table, or columns are missing.
+    """
+    try:
+        table = pd.read_parquet(path)
+    except (ValueError, OSError) as error:
+        said = (str(error) or type(error).__name__).splitlines()[0][:200]
+        raise InputError(str(path), said, "a table of generations") from None
+    missing = [name for name in COLUMNS if name not in table]
+    if missing:
+        raise InputError(str(path), f"no column {missing[0]}", f"columns {', '.join(COLUMNS)}")
+    return table
+
+
+def whole(generations: pd.DataFrame) -> pd.Series[bool]:
+    """Which generations the end of the run did not cut short."""
+    lived = generations["t_end"] - generations["t_start"]
+    return lived > (GENERATION_STEPS - 1) * CONTROL_STEP
+
+
+def scenario(generations: pd.DataFrame, half: float | pd.Series[float]) -> pd.Series[float]:
+    """The scenario each generation lived under; NaN: unknown, or the lamp moved within it.
+
+    Args:
+        generations: With `case`, `t_start` and `t_end`.
+        half: s, when the lamp moves where it does.
+    """
+    case = generations["case"].astype(str)
+    first, second = (case.map({name: pair[k] for name, pair in HALVES.items()}) for k in (0, 1))
+    before, after = generations["t_end"] <= half, generations["t_start"] >= half
+    moved = first.where(before, second.where(after))
+    return first.where(first == second, moved).astype(float)
