@@ -3,35 +3,46 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from types import TracebackType
+from typing import Any, Self
 
 from rich.console import Console
-from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    ProgressColumn,
+    TaskProgressColumn,
+    TextColumn,
+    TimeRemainingColumn,
+)
 from rich.progress import Progress as Bar
 
 LINE_SECONDS = 15.0
-"""s between plain lines where there is no terminal."""
+"""s between plain lines where there is no terminal; our choice."""
 
 
-class Progress:
-    """A context in which `reach` says how much of `total` is done."""
+class Shown:
+    """A context that shows how far something is; nothing when quiet."""
 
-    def __init__(self, what: str, total: float, quiet: bool) -> None:
-        self._what, self._total, self._quiet = what, total, quiet
-        self._console = Console(stderr=True)
+    def __init__(
+        self,
+        what: str,
+        total: float,
+        columns: Sequence[ProgressColumn],
+        *,
+        quiet: bool,
+        **fields: Any,
+    ) -> None:
+        self._quiet, self._console = quiet, Console(stderr=True)
         self._began = self._said = time.monotonic()
         self._bar: Bar | None = None
         if not quiet and self._console.is_terminal:
             self._bar = Bar(
-                TextColumn("{task.description}"),
-                BarColumn(),
-                TaskProgressColumn(),
-                TimeRemainingColumn(),
-                console=self._console,
+                TextColumn("{task.description}"), BarColumn(), *columns, console=self._console
             )
-            self._task = self._bar.add_task(what, total=total)
+            self._task = self._bar.add_task(what, total=total, **fields)
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> Self:
         if self._bar is not None:
             self._bar.start()
         return self
@@ -45,17 +56,35 @@ class Progress:
         if self._bar is not None:
             self._bar.stop()
 
-    def reach(self, done: float) -> None:
-        """So much of the total is done."""
-        if self._bar is not None:
-            self._bar.update(self._task, completed=done)
-            return
-        now = time.monotonic()
-        if not self._quiet and now - self._said >= LINE_SECONDS and done > 0:
-            self._said = now
-            left = (now - self._began) * (self._total - done) / done
-            self.say(f"{self._what}: {100.0 * done / self._total:.0f} %, about {left:.0f} s left")
-
     def say(self, text: str) -> None:
         """A line for the person watching."""
-        self._console.print(text, highlight=False, soft_wrap=True, markup=False)
+        if not self._quiet:
+            self._console.print(text, highlight=False, soft_wrap=True, markup=False)
+
+    def _change(self, *, last: bool = False, **changed: Any) -> bool:
+        """Change the bar; without one, whether it is time for a line, as it is for the last."""
+        if self._bar is not None:
+            self._bar.update(self._task, **changed)
+            return False
+        if not last and time.monotonic() - self._said < LINE_SECONDS:
+            return False
+        self._said = time.monotonic()
+        return True
+
+    def _seconds(self) -> float:
+        """s since it began."""
+        return time.monotonic() - self._began
+
+
+class Progress(Shown):
+    """A context in which `reach` says how much of `total` is done."""
+
+    def __init__(self, what: str, total: float, quiet: bool) -> None:
+        super().__init__(what, total, (TaskProgressColumn(), TimeRemainingColumn()), quiet=quiet)
+        self._what, self._total = what, total
+
+    def reach(self, done: float) -> None:
+        """So much of the total is done."""
+        if self._change(completed=done) and done > 0:
+            left = self._seconds() * (self._total - done) / done
+            self.say(f"{self._what}: {100.0 * done / self._total:.0f} %, about {left:.0f} s left")

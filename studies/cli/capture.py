@@ -35,5 +35,4 @@ def capture(
         raise InputError("--seed", seed, "a number from 0")
     with whole_file(out, force=force) as part, Progress("capture", 1.0, quiet) as shown:
         save_tables(drive_protocol(np.random.SeedSequence(seed), shown.reach), part)
-    if not quiet:
-        shown.say(f"sensor tables in {out}")
+    shown.say(f"sensor tables in {out}")

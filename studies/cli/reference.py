@@ -56,5 +56,4 @@ def reference(
     total = float(len(request.logs) + 2 * runs)
     with Progress("reference", total, quiet) as shown:
         made = write_reference_of(request, out, force=force, reach=shown.reach)
-    if not quiet:
-        shown.say(f"{made.robots} healthy robots in {made.swarms} runs: {out}")
+    shown.say(f"{made.robots} healthy robots in {made.swarms} runs: {out}")

@@ -83,9 +83,8 @@ def run(
         Progress("run", config.steps, quiet) as shown,
     ):
         totals = simulate(config, tuple(effect or ()), part, shown.reach)
-    if not quiet:
-        speed = config.minutes * 60.0 / totals["wall_seconds"]
-        shown.say(
-            f"{totals['deposits']:.0f} items brought to the nest, "
-            f"{speed:.0f} times real time; tables in {out}"
-        )
+    speed = config.minutes * 60.0 / totals["wall_seconds"]
+    shown.say(
+        f"{totals['deposits']:.0f} items brought to the nest, "
+        f"{speed:.0f} times real time; tables in {out}"
+    )
