@@ -39,8 +39,12 @@ CONNECT_SECONDS = 10.0
 """s to wait for a scheduler's answer; our choice."""
 
 
-class WorkersLost(RuntimeError):
-    """Workers keep dying: what finished is kept, the rest cannot be done."""
+class Unfinished(RuntimeError):
+    """Work ended before it was whole: what is finished is kept, and doing it again goes on."""
+
+
+class WorkersLost(Unfinished):
+    """Workers keep dying."""
 
 
 @dataclass(frozen=True)

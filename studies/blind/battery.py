@@ -11,13 +11,13 @@ from studies.blind.record import COMMAND, Task, run_trial
 from studies.blind.report import write_report
 from studies.blind.summary import summarise
 from studies.blind.trials import BlindConfig, plan
-from studies.execution import Workers, completed
+from studies.execution import Unfinished, Workers, completed
 from studies.output import whole_file
 from studies.progress import Progress
 from studies.provenance import write_json
 
 
-class TrialsFailed(RuntimeError):
+class TrialsFailed(Unfinished):
     """Some trials could not be recorded; the others are kept."""
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import Annotated
 
 import typer
 
 from studies.cli import app
 from studies.cli.options import Jobs, Quiet, Scheduler
+from studies.cli.resume import resumable
 
 
 @app.command(epilog="Example: realitygap blind --trials 60 --seed 3 --out out/blind")
@@ -19,7 +20,7 @@ def blind(
     scheduler: Scheduler = None,
     seed: Annotated[int, typer.Option(help="Everything drawn follows from it.")] = 0,
     only: Annotated[
-        Optional[list[str]],  # noqa: UP045 - typer reads this at run time
+        list[str] | None,
         typer.Option(help="Effect to draw from, repeatable; all the diagnosis knows if absent."),
     ] = None,
     at_bars: Annotated[
@@ -29,7 +30,7 @@ def blind(
         int, typer.Option(help="Robots of a run that each have an effect of their own.")
     ] = 1,
     kind: Annotated[
-        Optional[list[str]],  # noqa: UP045
+        list[str] | None,
         typer.Option(
             help="healthy, single, swarm (all robots have it), pair or unlisted: trials of these "
             "in turn, repeatable; single at the bars, else all."
@@ -42,7 +43,7 @@ def blind(
         ),
     ] = False,
     seconds: Annotated[
-        Optional[list[float]],  # noqa: UP045
+        list[float] | None,
         typer.Option(help="Length of the logs, repeatable; 120 most often, 60 or 240 if absent."),
     ] = None,
     quiet: Quiet = False,
@@ -52,10 +53,10 @@ def blind(
     Writes blind.json, report.html, figures/ and a file per trial. Stopped or killed, the same
     command goes on with the trials that are missing.
     """
-    from studies.blind.battery import TrialsFailed, run_battery
+    from studies.blind.battery import run_battery
     from studies.blind.known import known_effects
     from studies.blind.trials import blind_config
-    from studies.execution import Workers, WorkersLost
+    from studies.execution import Workers
 
     effects = tuple(only) if only else known_effects()
     lengths = {"seconds": tuple(seconds)} if seconds else {}
@@ -69,11 +70,8 @@ def blind(
         crowd=crowd,
         **lengths,
     )
-    try:
+    with resumable():
         summary = run_battery(config, out, Workers.chosen(jobs, scheduler), quiet=quiet)
-    except (TrialsFailed, WorkersLost) as error:
-        typer.echo(f"realitygap: {error}; start the command again to go on", err=True)
-        raise typer.Exit(1) from None
     if not quiet:
         wrong, healthy = summary["wrong_names"], summary["healthy_robots_accused"]
         typer.echo(

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import Annotated
 
 import typer
 
 from studies.cli import app
-from studies.cli.options import Force, Quiet
+from studies.cli.options import Force, Jobs, Quiet
 
 EXAMPLE = """Example: realitygap demo --out out/demo --seed 3"""
 
@@ -19,10 +19,7 @@ def demo(
     seed: Annotated[
         int, typer.Option(min=0, help="Everything random follows from it, also what is hidden.")
     ] = 0,
-    jobs: Annotated[
-        Optional[int],  # noqa: UP045 - typer reads this at run time
-        typer.Option(help="Processes; all cores if absent."),
-    ] = None,
+    jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:

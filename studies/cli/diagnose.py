@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import Annotated
 
 import typer
 
 from studies.cli import app
-from studies.cli.options import Force, Out, Quiet
+from studies.cli.options import Force, Model, Out, Quiet
 
 EXAMPLE = """Example: realitygap diagnose out/run1 --out out/diagnosis"""
 
@@ -17,17 +17,14 @@ EXAMPLE = """Example: realitygap diagnose out/run1 --out out/diagnosis"""
 def diagnose(
     log: Annotated[list[Path], typer.Argument(help="Measured logs, or directories of runs.")],
     out: Out,
-    model: Annotated[
-        Optional[str],  # noqa: UP045 - typer reads this at run time
-        typer.Option(help="Model file, or the name of a shipped robot."),
-    ] = None,
+    model: Model = None,
     reference: Annotated[
-        Optional[str],  # noqa: UP045
+        str | None,
         typer.Option(help="Healthy reference, or none; the shipped one of the model if absent."),
     ] = None,
     seed: Annotated[int, typer.Option(help="Of the intervals' resampling.")] = 0,
     without: Annotated[
-        Optional[list[str]],  # noqa: UP045
+        list[str] | None,
         typer.Option(help="Cause to do without, as if unknown; repeatable."),
     ] = None,
     force: Force = False,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import Annotated
 
 import typer
 
 from studies.cli import app
-from studies.cli.options import Force, Out, Quiet
+from studies.cli.options import Force, Jobs, Out, Quiet
 
 EXAMPLE = (
     "Example: realitygap gain --log out/odd --extended out/odd-diagnosis/extended.toml "
@@ -25,24 +25,21 @@ def gain(
     extended: Annotated[str, typer.Option(help="The extended.toml of a diagnosis.")],
     out: Out,
     effect: Annotated[
-        Optional[list[str]],  # noqa: UP045 - typer reads this at run time
+        list[str] | None,
         typer.Option(help="What was hidden: fresh runs are recorded with it; repeatable."),
     ] = None,
     healthy: Annotated[
-        Optional[list[Path]],  # noqa: UP045
+        list[Path] | None,
         typer.Option(help="Log of sound robots, for the level that can be reached; repeatable."),
     ] = None,
     transfer: Annotated[
-        Optional[Path],  # noqa: UP045
+        Path | None,
         typer.Option(help="Directory of a finished `study transfer`: the gain in food, beside."),
     ] = None,
     runs: Annotated[int, typer.Option(help="Fresh runs to record.")] = 6,
     minutes: Annotated[float, typer.Option(help="Simulated minutes of each.")] = 2.0,
     seed: Annotated[int, typer.Option(min=0, help="Of the fresh runs and the intervals.")] = 0,
-    jobs: Annotated[
-        Optional[int],  # noqa: UP045
-        typer.Option(help="Processes; all cores if absent."),
-    ] = None,
+    jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from studies.cli import app
-from studies.cli.options import Force, Out, Quiet
+from studies.cli.options import Force, Model, Out, Quiet
 
 EXAMPLE = """Example: realitygap gap out/run1 --out out/gap1"""
 
@@ -17,9 +17,7 @@ EXAMPLE = """Example: realitygap gap out/run1 --out out/gap1"""
 def gap(
     log: Annotated[Path, typer.Argument(help="Measured log, or the directory of a run or study.")],
     out: Out,
-    model: Annotated[
-        str | None, typer.Option(help="Model file, or the name of a shipped robot.")
-    ] = None,
+    model: Model = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the tests' random turns.")] = 0,
     force: Force = False,
     quiet: Quiet = False,

@@ -29,7 +29,8 @@ def import_(
     source: Annotated[list[Path], typer.Argument(help="Directory or files of that format.")],
     out: Out,
     model: Annotated[
-        str | None, typer.Option(help="Model file, or the name of a shipped robot.")
+        str | None,
+        typer.Option(help="Model file, or the name of a shipped robot; the format's if absent."),
     ] = None,
     map_: Annotated[
         Path | None, typer.Option("--map", help="Column names and units of a csv (TOML).")

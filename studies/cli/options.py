@@ -3,18 +3,37 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import Annotated
 
 import typer
 
 Out = Annotated[Path, typer.Option(help="Where to write; must not exist yet.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace what is there.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Say nothing but errors.")]
-Jobs = Annotated[
-    Optional[int],  # noqa: UP045 - typer reads this at run time
-    typer.Option(help="Processes; all cores if absent."),
+Model = Annotated[
+    str | None,
+    typer.Option(help="Model file, or the name of a shipped robot; the e-puck if absent."),
 ]
+OnBoard = Annotated[
+    str | None,
+    typer.Option(help="Model file on board, or the name of a shipped robot; the e-puck if absent."),
+]
+Robots = Annotated[int, typer.Option(help="How many e-pucks in a run.")]
+Trials = Annotated[int, typer.Option(help="Embedded trials per genome.")]
+Genome = Annotated[
+    str,
+    typer.Option(
+        help="paper: the genes G0 and G1; continuous: also avoidance, phototaxis, search."
+    ),
+]
+Jobs = Annotated[int | None, typer.Option(help="Processes; all cores if absent.")]
 Scheduler = Annotated[
-    Optional[str],  # noqa: UP045
+    str | None,
     typer.Option(help="tcp://host:port of a Dask scheduler whose workers have this package."),
 ]
+
+StudyOut = Annotated[
+    Path, typer.Option("--out", help="The study's directory; an unfinished one is resumed.")
+]
+StudySeed = Annotated[int, typer.Option("--seed", help="Every run's seed follows from it.")]
+StudyMinutes = Annotated[float, typer.Option("--minutes", help="Simulated minutes of each run.")]

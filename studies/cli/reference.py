@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Optional
+from typing import Annotated
 
 import typer
 
 from studies.cli import app
-from studies.cli.options import Force, Out, Quiet
+from studies.cli.options import Force, Jobs, Model, Out, Quiet
 
 EXAMPLE = """Example: realitygap reference healthy1.parquet healthy2.parquet --out lab.json"""
 
@@ -17,22 +17,16 @@ EXAMPLE = """Example: realitygap reference healthy1.parquet healthy2.parquet --o
 def reference(
     out: Out,
     log: Annotated[
-        Optional[list[Path]],  # noqa: UP045 - typer reads this at run time
+        list[Path] | None,
         typer.Argument(help="Measured logs of sound robots, or directories of runs."),
     ] = None,
-    model: Annotated[
-        Optional[str],  # noqa: UP045
-        typer.Option(help="Model file, or the name of a shipped robot."),
-    ] = None,
+    model: Model = None,
     runs: Annotated[int, typer.Option(help="Healthy runs of the nominal world to record.")] = 0,
     manoeuvres: Annotated[
         bool, typer.Option("--manoeuvres", help="Record the manoeuvres of probe:NAME in turn.")
     ] = False,
     seed: Annotated[int, typer.Option(help="Of the recorded runs.")] = 0,
-    jobs: Annotated[
-        Optional[int],  # noqa: UP045
-        typer.Option(help="Processes; all cores if absent."),
-    ] = None,
+    jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated, Optional
+from typing import Annotated
 
 import typer
 
 from embedded_sim.probes import MENU
 from studies.cli import app
-from studies.cli.options import Force, Out, Quiet
+from studies.cli.options import Force, Genome, OnBoard, Out, Quiet, Robots, Trials
 
 EXAMPLE = """Example: realitygap run --case light-at-nest --minutes 10 --seed 1 --out out/run1"""
 
@@ -32,26 +31,18 @@ def run(
         ),
     ] = "coevolution",
     minutes: Annotated[float, typer.Option(help="Simulated minutes.")] = 60.0,
-    robots: Annotated[int, typer.Option(help="How many e-pucks.")] = 10,
+    robots: Robots = 10,
     seed: Annotated[int, typer.Option(help="Everything random follows from it.")] = 0,
     effect: Annotated[
-        Optional[list[str]],  # noqa: UP045 - typer reads this at run time
+        list[str] | None,
         typer.Option(help="NAME:key=value[,key=value...] to hide in reality; repeatable."),
     ] = None,
-    model: Annotated[
-        Optional[Path],  # noqa: UP045
-        typer.Option(help="Model file on board; the shipped e-puck if absent."),
-    ] = None,
+    model: OnBoard = None,
     reading: Annotated[
         str, typer.Option(help="Of the paper: default, literal, neutral, reflect or wrap.")
     ] = "default",
-    trials: Annotated[int, typer.Option(help="Embedded trials per genome.")] = 1,
-    genome: Annotated[
-        str,
-        typer.Option(
-            help="paper: the genes G0 and G1; continuous: also avoidance, phototaxis, search."
-        ),
-    ] = "paper",
+    trials: Trials = 1,
+    genome: Genome = "paper",
     no_samples: Annotated[bool, typer.Option("--no-samples", help="No samples.parquet.")] = False,
     force: Force = False,
     quiet: Quiet = False,
@@ -72,7 +63,7 @@ def run(
         minutes=minutes,
         robots=robots,
         seed=seed,
-        model=None if model is None else str(model),
+        model=model,
         reading=reading,
         trials=trials,
         genome=genome,

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
-from studies.execution import Workers, completed
+from studies.execution import Unfinished, Workers, completed
 from studies.experiment import simulate
 from studies.machine import Cores
 from studies.paper.conditions import PlannedRun
@@ -16,7 +16,7 @@ from studies.paper.directory import Run, Study, StudyDirectory
 from studies.paper.tally import Tally
 
 
-class RunsFailed(RuntimeError):
+class RunsFailed(Unfinished):
     """Some runs raised an error; the others are kept."""
 
 

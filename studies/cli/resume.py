@@ -1,0 +1,20 @@
+"""What a command says that can be started again to go on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import typer
+
+
+@contextmanager
+def resumable() -> Iterator[None]:
+    """Turn work that ended before it was whole into one line and exit code 1."""
+    from studies.execution import Unfinished
+
+    try:
+        yield
+    except Unfinished as error:
+        typer.echo(f"realitygap: {error}; start the command again to go on", err=True)
+        raise typer.Exit(1) from None
