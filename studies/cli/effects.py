@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
+import typer
+
 from studies.cli import app
 
 
 @app.command(epilog="Example: realitygap effects | less")
-def effects() -> None:
+def effects(
+    quiet: Annotated[bool, typer.Option("--quiet", help="Names alone, a line each.")] = False,
+) -> None:
     """Print the catalogue: names and keys for --effect, physics, and the cause that is named.
 
     Keys show [bounds] and unit; null is the value that changes nothing.
@@ -15,6 +21,11 @@ def effects() -> None:
 
     from studies.catalogue import KINDS, entries
 
+    if quiet:
+        for kind in KINDS:
+            for entry in entries(kind):
+                typer.echo(entry.effect.name)
+        return
     console = Console(highlight=False)
 
     def say(text: str, style: str = "") -> None:

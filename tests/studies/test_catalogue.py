@@ -40,3 +40,9 @@ def test_the_command_prints_the_catalogue() -> None:
     assert printed.exit_code == 0
     assert "command_latency" in printed.output
     assert "seconds: [0, 2] s (null 0)" in printed.output
+
+
+def test_quiet_prints_the_names_alone() -> None:
+    printed = CliRunner().invoke(app, ["effects", "--quiet"])
+    assert printed.exit_code == 0
+    assert sorted(printed.output.split()) == sorted(catalogue())
