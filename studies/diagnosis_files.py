@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -32,17 +32,27 @@ from models.tables import load_tables
 from studies.diagnosis_request import Request
 from studies.next_experiment import commands
 from studies.output import whole_directory
+from studies.progress import unseen
 
 NO_REFERENCE = "none"
 
 
-def diagnose_files(request: Request, out: Path, *, force: bool = False) -> Diagnosis:
+def diagnose_files(
+    request: Request, out: Path, *, force: bool = False, begin: Callable[[str], None] = unseen
+) -> Diagnosis:
     """Diagnose and write everything into a new directory.
+
+    Args:
+        request: What is asked.
+        out: The directory.
+        force: Replace what is there.
+        begin: Called with the name of each stage.
 
     Raises:
         InputError: as `examine`.
     """
-    log, examined = examine(request)
+    log, examined = examine(request, begin)
+    begin("writing the report")
     path, model, found = find_model_file(request.model), examined.model, examined.diagnosis
     named = extension(found, log_hash=_hash(request.logs), command=request.command)
     from studies.diagnosis_report import write_report
@@ -61,8 +71,10 @@ def diagnose_files(request: Request, out: Path, *, force: bool = False) -> Diagn
     return found
 
 
-def examine(request: Request) -> tuple[MeasuredLog, WholeExamination]:
-    """The logs as one, and all that is said about them.
+def examine(
+    request: Request, begin: Callable[[str], None] = unseen
+) -> tuple[MeasuredLog, WholeExamination]:
+    """The logs as one, and all that is said about them; `begin` as `diagnose_files`.
 
     Raises:
         InputError: a log, model, reference or name of a cause cannot be used.
@@ -72,14 +84,18 @@ def examine(request: Request) -> tuple[MeasuredLog, WholeExamination]:
             raise InputError("--without", repr(name), nearest(name, every_cause()))
     path = find_model_file(request.model)
     model = read_model_file(path)
+    begin("reading the log")
     log = read_logs(request.logs, model)
     scripted = manoeuvres(log)
     healthy = _reference(request.reference, model, scripted)
     tables = None if model.sensors is None else load_tables(path.parent / model.sensors.tables)
     senses = _sense_reference(request.reference, model, scripted)
     with without(request.without):
+        begin("motion")
         motion = diagnose(log, model, healthy, seed=request.seed, name=path.name)
+        begin("senses")
         examined = with_senses(motion, log, tables, senses, seed=request.seed)
+        begin("the next experiment")
         return log, with_proposal(examined, tables)
 
 

@@ -13,6 +13,7 @@ from rich.progress import (
     ProgressColumn,
     TaskProgressColumn,
     TextColumn,
+    TimeElapsedColumn,
     TimeRemainingColumn,
 )
 from rich.progress import Progress as Bar
@@ -27,19 +28,19 @@ class Shown:
     def __init__(
         self,
         what: str,
-        total: float,
+        total: float | None,
         columns: Sequence[ProgressColumn],
         *,
         quiet: bool,
+        transient: bool = False,
         **fields: Any,
     ) -> None:
         self._quiet, self._console = quiet, Console(stderr=True)
         self._began = self._said = time.monotonic()
         self._bar: Bar | None = None
         if not quiet and self._console.is_terminal:
-            self._bar = Bar(
-                TextColumn("{task.description}"), BarColumn(), *columns, console=self._console
-            )
+            every = (TextColumn("{task.description}", markup=False), BarColumn(), *columns)
+            self._bar = Bar(*every, console=self._console, transient=transient)
             self._task = self._bar.add_task(what, total=total, **fields)
 
     def __enter__(self) -> Self:
@@ -88,3 +89,19 @@ class Progress(Shown):
         if self._change(completed=done) and done > 0:
             left = self._seconds() * (self._total - done) / done
             self.say(f"{self._what}: {100.0 * done / self._total:.0f} %, about {left:.0f} s left")
+
+
+class Stages(Shown):
+    """A context in which `begin` names what is done now; on a terminal alone, gone when done."""
+
+    def __init__(self, what: str, quiet: bool) -> None:
+        super().__init__(what, None, (TimeElapsedColumn(),), quiet=quiet, transient=True)
+        self._what = what
+
+    def begin(self, stage: str) -> None:
+        """This is done from now on."""
+        self._change(description=f"{self._what}: {stage}")
+
+
+def unseen(stage: str) -> None:
+    """In place of `Stages.begin` where nobody watches."""

@@ -38,6 +38,7 @@ def diagnose(
     from studies.diagnosis_request import Request
     from studies.diagnosis_words import verdict_sentence
     from studies.output import check_free
+    from studies.progress import Stages
 
     check_free(out, force=force, holds=("diagnosis.json",))
     request = Request(
@@ -47,7 +48,8 @@ def diagnose(
         seed=seed,
         without=tuple(without or ()),
     )
-    found = diagnose_files(request, out, force=force)
+    with Stages("diagnose", quiet) as shown:
+        found = diagnose_files(request, out, force=force, begin=shown.begin)
     if not quiet:
         typer.echo(verdict_sentence(found))
         typer.echo(f"{out / 'report.html'}: written")

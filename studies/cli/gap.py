@@ -34,22 +34,30 @@ def gap(
     from studies.fitness_gap.generations import find_generations, read_generations
     from studies.gap_report import write_coevolution, write_gap
     from studies.output import check_free, whole_directory
+    from studies.progress import Stages
 
     check_free(out, force=force, holds=("gap.json",))
     file = read_model_file(model)
     point = load_common(model, sensors="declared")
     generations = find_generations(log)
-    evolved = coevolution_gap(read_generations(generations)) if generations else None
-    if evolved is not None and not (log / SAMPLES).exists():
-        with whole_directory(out, force=force, holds=("gap.json",)) as part:
-            report = write_coevolution(evolved, part)
-    else:
-        # commands are turned into wheel speeds as the lab does: an extension tells of the robots
-        nominal = file.nominal_drive
-        measured = read_log(log, drive=nominal, fastest=file.robot.wheel_speed_max)
-        found = measure_gap(measured, file, point, seed=seed, name=find_model_file(model).name)
-        with whole_directory(out, force=force, holds=("gap.json",)) as part:
-            report = write_gap(measured, found, part, name=file.name, coevolution=evolved)
+    with Stages("gap", quiet) as shown:
+        evolved = None
+        if generations is not None:
+            shown.begin("fitness in simulation and reality")
+            evolved = coevolution_gap(read_generations(generations))
+        if evolved is not None and not (log / SAMPLES).exists():
+            with whole_directory(out, force=force, holds=("gap.json",)) as part:
+                report = write_coevolution(evolved, part)
+        else:
+            shown.begin("reading the log")
+            # commands become wheel speeds as in the lab: an extension tells of the robots
+            nominal = file.nominal_drive
+            measured = read_log(log, drive=nominal, fastest=file.robot.wheel_speed_max)
+            shown.begin("replaying it and judging what is left")
+            found = measure_gap(measured, file, point, seed=seed, name=find_model_file(model).name)
+            shown.begin("writing tables and figures")
+            with whole_directory(out, force=force, holds=("gap.json",)) as part:
+                report = write_gap(measured, found, part, name=file.name, coevolution=evolved)
     if not quiet:
         for line in report["summary"]:
             typer.echo(line)

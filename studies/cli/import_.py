@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -46,6 +47,7 @@ def import_(
     from models.log import make_log, write_table
     from models.modelfile import read_model_file
     from studies.output import check_free, whole_file
+    from studies.progress import Stages
 
     if format_ not in FORMATS:
         raise InputError("FORMAT", format_, nearest(format_, FORMATS))
@@ -54,10 +56,13 @@ def import_(
         raise InputError("--out", out.name, "a file ending in .parquet or .csv")
     file = read_model_file(model or FORMATS[format_])
     drive = file.nominal_drive
-    table = _read(format_, source, map_, drive)
-    log = make_log(table, drive=drive, fastest=file.robot.wheel_speed_max)
-    with whole_file(out, force=force) as part:
-        write_table(log.frame, part)
+    with Stages("import", quiet) as shown:
+        table = _read(format_, source, map_, drive, shown.begin)
+        shown.begin("checking the log")
+        log = make_log(table, drive=drive, fastest=file.robot.wheel_speed_max)
+        shown.begin(f"writing {out.name}")
+        with whole_file(out, force=force) as part:
+            write_table(log.frame, part)
     if not quiet:
         for note in log.notes:
             typer.echo(note)
@@ -66,7 +71,13 @@ def import_(
         typer.echo(f"{out}: {rows}")
 
 
-def _read(format_: str, source: list[Path], map_: Path | None, drive: Drive) -> pd.DataFrame:
+def _read(
+    format_: str,
+    source: list[Path],
+    map_: Path | None,
+    drive: Drive,
+    begin: Callable[[str], None],
+) -> pd.DataFrame:
     """The sources, one after the other, as one table; several csv files become several runs."""
     import pandas as pd
 
@@ -78,7 +89,8 @@ def _read(format_: str, source: list[Path], map_: Path | None, drive: Drive) -> 
         said = "a map for this csv" if map_ is None else f"none with {format_}"
         raise InputError("--map", map_, said)
     parts = []
-    for path in source:
+    for number, path in enumerate(source, start=1):
+        begin(f"reading {path} ({number} of {len(source)})")
         if format_ == "optiodom":
             part = read_optiodom(path, drive=drive)
         elif format_ == "mrclam":

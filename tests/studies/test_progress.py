@@ -2,7 +2,7 @@ import pytest
 
 from studies.paper.conditions import PAPER, plan
 from studies.paper.tally import Tally
-from studies.progress import Progress
+from studies.progress import Progress, Stages
 from tests.studies.small_study import TINY
 
 
@@ -53,3 +53,17 @@ def test_on_a_terminal_progress_is_a_bar_with_the_time_left(
     assert "8/8" in said
     watch(quiet=True)
     assert capsys.readouterr().err == ""
+
+
+def test_stages_are_named_on_a_terminal_alone(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def read(*, quiet: bool) -> str:
+        with Stages("gap", quiet) as shown:
+            shown.begin("reading the log")
+        return capsys.readouterr().err
+
+    assert read(quiet=False) == ""
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert "gap: reading the log" in read(quiet=False)
+    assert read(quiet=True) == ""
