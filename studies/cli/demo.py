@@ -28,8 +28,9 @@ def demo(
     Two to three minutes on two cores. Writes report.html, demo.json, demo.png and what each
     chapter made; sealed.json holds what was hidden and is read only at the end.
     """
+    from studies.demo.chapters import tell
     from studies.demo.report import write_report
-    from studies.demo.story import Size, tell, verdict_line, write_json
+    from studies.demo.story import Size, verdict_line, write_json
     from studies.execution import Workers
     from studies.output import whole_directory
 

@@ -1,42 +1,20 @@
-"""The eight chapters of the demo, each a function of the seed."""
+"""The demo's story: what its chapters found, in words and as `demo.json`."""
 
 from __future__ import annotations
 
 import io
 import json
-import shutil
-import tempfile
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from models.log import SAMPLES
-from studies.altered import MODEL, AlteredRun, Files, keep, read_files, run_altered
-from studies.blind.record import COMMAND, LOG, diagnose
-from studies.blind.scoring import Score, score
-from studies.blind.trials import Trial
-from studies.demo.hide import Secret, draw, run_seed, seal, unseal
-from studies.execution import Workers, completed
-from studies.experiment import FIXED_GENOMES, RunConfig
+from studies.altered import Files
+from studies.blind.scoring import Score
+from studies.demo.hide import Secret
 from studies.fitness_gap.by_third import coevolution_gap
-from studies.gain.measure import Gain, GainRequest, measure_gain
-from studies.gain.report import write_gain
-from studies.progress import Progress
-
-CHAPTERS = (
-    "hide",
-    "co-evolve",
-    "show the gap",
-    "name the cause",
-    "extend the model",
-    "co-evolve again",
-    "measure the gain",
-    "unseal and compare",
-)
+from studies.gain.measure import Gain
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,168 +68,6 @@ def table(run: Files, name: str) -> pd.DataFrame:
     return pd.read_parquet(io.BytesIO(run[f"{name}.parquet"]))
 
 
-def tell(seed: int, size: Size, out: Path, workers: Workers, *, quiet: bool) -> Story:
-    """Live through the story and leave its files in `out`.
-
-    Leaves sealed.json, before/ and after/ (the first run of each), diagnosis/ and gain/.
-
-    Raises:
-        RuntimeError: a run failed, or the sealed file was changed.
-    """
-    story = Story(seed, size, draw(seed))
-    chapters = _Chapters(quiet)
-    with chapters.next() as shown:
-        story.digest = seal(story.secret, _config(story, 0), out / "sealed.json")
-        shown.say(f"something is hidden in reality; sealed as {story.digest[:16]}…")
-    with chapters.next(size.pairs + len(FIXED_GENOMES)) as shown:
-        _first_runs(story, workers, shown.reach)
-        keep(_without_truth(story.before[0]), out / "before")
-        shown.say(_food_line("the minimal model", story.food(story.before)))
-    with chapters.next() as shown:
-        shown.say(gap_line(story.before))
-    with chapters.next() as shown:
-        _name(story, out)
-        shown.say(_named_line(story))
-    with chapters.next() as shown:
-        shown.say(f"the model with what was named: {MODEL} in diagnosis/")
-    with chapters.next(size.pairs) as shown:
-        _second_runs(story, out, workers, shown.reach)
-        keep(_without_truth(story.after[0]), out / "after")
-        shown.say(_food_line("the extended model", story.food(story.after)))
-    with chapters.next(1.0) as shown:
-        _gain(story, out, workers, shown.reach)
-    with chapters.next() as shown:
-        story.truth = unseal(out / "sealed.json", story.digest)
-        story.score = score(_trial(story), story.diagnosis)
-        shown.say(verdict_line(story))
-    return story
-
-
-class _Chapters:
-    """Names each chapter as it begins."""
-
-    def __init__(self, quiet: bool) -> None:
-        self._quiet, self._names = quiet, iter(enumerate(CHAPTERS, start=1))
-
-    @contextmanager
-    def next(self, total: float = 1.0) -> Iterator[_Shown]:
-        """The next chapter, of `total` parts."""
-        number, name = next(self._names)
-        with Progress(f"{number}/{len(CHAPTERS)} {name}", total, self._quiet) as progress:
-            if not self._quiet:
-                progress.say(f"{number}/{len(CHAPTERS)} {name} …")
-            yield _Shown(progress, self._quiet)
-            progress.reach(total)
-
-
-class _Shown:
-    """How far a chapter is, and what came of it."""
-
-    def __init__(self, progress: Progress, quiet: bool) -> None:
-        self._progress, self._quiet = progress, quiet
-        self.reach = progress.reach
-
-    def say(self, text: str) -> None:
-        """A line for the person watching."""
-        if not self._quiet:
-            self._progress.say(f"    {text}")
-
-
-def _config(story: Story, index: int, controller: str = "coevolution") -> RunConfig:
-    """Of the run with a number; the first is logged."""
-    return RunConfig(
-        case=story.secret.case,
-        controller=controller,
-        minutes=story.size.minutes,
-        robots=story.size.robots,
-        seed=run_seed(story.seed, index),
-        trials=story.size.trials if controller == "coevolution" else 1,
-        samples=index == 0 and controller == "coevolution",
-    )
-
-
-def _first_runs(story: Story, workers: Workers, reach: Callable[[float], None]) -> None:
-    """Co-evolution with the minimal model, and the fixed controllers, all in altered reality."""
-    effects = story.secret.effects
-    tasks = {f"{k}": AlteredRun(_config(story, k), effects) for k in range(story.size.pairs)} | {
-        name: AlteredRun(_config(story, 0, name), effects) for name in FIXED_GENOMES
-    }
-    done = _all(tasks, workers, reach)
-    story.before = [done[f"{k}"] for k in range(story.size.pairs)]
-    story.fixed = {name: done[name] for name in FIXED_GENOMES}
-
-
-def _second_runs(story: Story, out: Path, workers: Workers, reach: Callable[[float], None]) -> None:
-    """The same seeds with the extended model on board; without one, the minimal model again."""
-    found = out / "diagnosis"
-    model = read_files(found) if found.is_dir() else None
-    tasks = {
-        f"{k}": AlteredRun(_config(story, k), story.secret.effects, model)
-        for k in range(story.size.pairs)
-    }
-    done = _all(tasks, workers, reach)
-    story.after = [done[f"{k}"] for k in range(story.size.pairs)]
-
-
-def _all(
-    tasks: Mapping[str, AlteredRun], workers: Workers, reach: Callable[[float], None]
-) -> dict[str, Files]:
-    """Every run by name."""
-    done: dict[str, Files] = {}
-    names = list(tasks)
-    with closing(completed(run_altered, list(tasks.values()), workers)) as finished:
-        for one in finished:
-            name = names[list(tasks.values()).index(one.task)]
-            if one.value is None:
-                raise RuntimeError(f"run {name}: {one.error}")
-            done[name] = one.value
-            reach(len(done))
-    return done
-
-
-def _without_truth(run: Files) -> Files:
-    """A run's files without its truth, which stays sealed."""
-    return {name: content for name, content in run.items() if name != "truth.json"}
-
-
-def _name(story: Story, out: Path) -> None:
-    """Diagnose as the command line does, in a process that has the log alone."""
-    with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
-        given = Path(scratch)
-        samples = table(story.before[0], "samples")
-        samples = samples[samples["t"] < 60.0 * story.size.log_minutes]
-        samples.to_parquet(given / LOG, index=False)
-        story.diagnosis, error = diagnose(given, COMMAND)
-        story.failure = error or ""
-        if story.diagnosis is not None:
-            shutil.copytree(given / "diagnosis", out / "diagnosis")
-
-
-def _gain(story: Story, out: Path, workers: Workers, reach: Callable[[float], None]) -> None:
-    """Predictions in fresh runs, which nothing was named from."""
-    if story.diagnosis is None:
-        return
-    request = GainRequest(
-        logs=(out / "after" / SAMPLES,),
-        extended=str(out / "diagnosis" / MODEL),
-        effects=story.secret.effects,
-        runs=story.size.held_out,
-        minutes=story.size.held_out_minutes,
-        seed=run_seed(story.seed, story.size.pairs),
-        jobs=workers.jobs,
-    )
-    story.gain = measure_gain(request, reach)
-    (out / "gain").mkdir()
-    write_gain(story.gain, out / "gain")
-
-
-def _trial(story: Story) -> Trial:
-    """The story as the blind battery sees it: what was hidden, to be scored alike."""
-    return Trial(
-        0, "single", 60.0 * story.size.log_minutes, _config(story, 0), (story.secret.hidden,)
-    )
-
-
 def gap_line(runs: list[Files]) -> str:
     """What simulators promised and reality paid."""
     generations = pd.concat([table(run, "generations") for run in runs], ignore_index=True)
@@ -265,12 +81,14 @@ def gap_line(runs: list[Files]) -> str:
     )
 
 
-def _food_line(model: str, food: list[float]) -> str:
+def food_line(model: str, food: list[float]) -> str:
+    """Items per minute of each run with a model on board."""
     each = ", ".join(f"{one:.1f}" for one in food)
     return f"with {model} on board the swarm brings home {each} items per minute"
 
 
-def _named_line(story: Story) -> str:
+def named_line(story: Story) -> str:
+    """What the diagnosis answered."""
     if story.diagnosis is None:
         return f"the diagnosis gave no answer: {story.failure}"
     names = [str(cause["name"]) for cause in story.diagnosis["causes"]]

@@ -10,9 +10,10 @@ import pytest
 from models.modelfile import read_model_file
 from reality.effects import parse_effects
 from studies.blind.menu import MENU
+from studies.demo.chapters import CHAPTERS, tell
 from studies.demo.hide import MENU_OF_THE_DEMO, draw, run_seed, seal, unseal
 from studies.demo.report import write_report
-from studies.demo.story import CHAPTERS, Size, tell, verdict_line, write_json
+from studies.demo.story import Size, verdict_line, write_json
 from studies.execution import Workers
 from studies.experiment import RunConfig
 
