@@ -49,8 +49,9 @@ def gain(
     and, where the truth is known, of the true parameters. Writes gain.json, errors.parquet and
     report.html. The gain in food is measured by `realitygap study transfer`.
     """
-    from studies.gain.measure import GainFailed, GainRequest, measure_gain
+    from studies.gain.measure import GainFailed, measure_gain
     from studies.gain.report import write_gain
+    from studies.gain.request import GainRequest
     from studies.output import check_free, whole_directory
     from studies.progress import Progress
 

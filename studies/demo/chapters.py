@@ -17,8 +17,9 @@ from studies.demo.hide import draw, run_seed, seal, unseal
 from studies.demo.story import Size, Story, food_line, gap_line, named_line, table, verdict_line
 from studies.execution import Workers, completed
 from studies.experiment import FIXED_GENOMES, RunConfig
-from studies.gain.measure import GainRequest, measure_gain
+from studies.gain.measure import measure_gain
 from studies.gain.report import write_gain
+from studies.gain.request import GainRequest
 from studies.progress import Progress
 
 CHAPTERS = (

@@ -19,8 +19,9 @@ from reality.effects import parse_effects
 from studies.diagnosis_files import write_extended
 from studies.gain.catalogue import groups
 from studies.gain.food import food_lines, food_table, read_transfer
-from studies.gain.measure import GainRequest, measure_gain
+from studies.gain.measure import measure_gain
 from studies.gain.report import write_gain
+from studies.gain.request import GainRequest
 from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE, plan
 from studies.gain.truth import true_model
 from studies.gain.weigh import entry, weigh

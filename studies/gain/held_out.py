@@ -1,0 +1,193 @@
+"""Which runs a gain is measured in, and by which models.
+
+With effects, fresh runs of the altered reality and their healthy twins; without, those of the logs
+that the extension was not named from. Logs of robots known to be sound stand beside either.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from embedded_sim.errors import InputError
+from embedded_sim.model import Drive
+from models.diagnosis import file_hash
+from models.log import SAMPLES, read_log, read_table
+from models.modelfile import ModelFile
+from reality.effects import Hidden, parse_effects
+from studies.gain.compared import Compared
+from studies.gain.request import GainRequest
+from studies.gain.runs import HEALTHY, Given, HeldOut, Recorded, plan
+from studies.gain.truth import concerned, hidden_in, told, true_model
+
+ROBOTS = 10
+"""Of a recorded run, where no log says how many there are."""
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """What is measured."""
+
+    tasks: tuple[Recorded | Given, ...]
+    runs: list[dict[str, Any]]
+    """What `gain.json` says of the held-out runs."""
+    judged: frozenset[int] | None
+    """Robots named or truly altered; None: all."""
+    oracle: bool
+    """Whether a model with the true parameters is among the models."""
+
+
+def choose(request: GainRequest, models: Compared) -> Chosen:
+    """The runs, each with its models.
+
+    Raises:
+        InputError: a log or effect cannot be used, or nothing is held out.
+    """
+    held, naming = _apart(request.logs, models.file)
+    chosen = _fresh(request, models, naming) if request.effects else _of_logs(request, models, held)
+    return replace(chosen, tasks=(*chosen.tasks, *_sound(request.healthy, models)))
+
+
+def _fresh(request: GainRequest, models: Compared, naming: Sequence[Path]) -> Chosen:
+    """Fresh runs and their healthy twins."""
+    robots = _robots(request.logs)
+    hidden = parse_effects(request.effects, robots)
+    _check_truth(naming, hidden)
+    true, judged = true_model(models.plain, hidden), _judged(models, hidden)
+    if request.runs < 1:
+        raise InputError("--runs", request.runs, "at least 1")
+    models.check_robots(range(robots))
+    settings: dict[str, Any] = {
+        "runs": request.runs,
+        "minutes": request.minutes,
+        "robots": robots,
+        "seed": request.seed,
+    }
+    altered, twins = plan(request.effects, judged=judged, **settings), plan((), **settings)
+    drive = models.file.nominal_drive
+    tasks = [Recorded(run, models.named(true), models.tables, drive) for run in altered]
+    tasks += [Recorded(run, {HEALTHY: models.plain}, models.tables, drive) for run in twins]
+    seen = [_kind(path) for path in naming]
+    return Chosen((*tasks,), [_notes(run, seen) for run in altered], judged, true is not None)
+
+
+def _of_logs(request: GainRequest, models: Compared, held: Sequence[Path]) -> Chosen:
+    """A lab's runs; the truth is known where it lies beside them."""
+    if not held:
+        raise InputError(
+            "--log",
+            ", ".join(map(str, request.logs)),
+            "a log that the extension was not named from, or --effect to record fresh runs",
+        )
+    truths = [hidden_in(path) for path in held]
+    known = truths[0] if all(one == truths[0] for one in truths) else None
+    true = None if known is None else true_model(models.plain, known)
+    judged = _judged(models, known or ())
+    given = _given(held, models, true, judged)
+    models.check_robots({int(robot) for task in given for robot in task.table["robot"].unique()})
+    runs = [{"run": str(path)} for path in held]
+    return Chosen((*given,), runs, judged, true is not None)
+
+
+def _apart(logs: Sequence[Path], file: ModelFile) -> tuple[list[Path], list[Path]]:
+    """The logs that the extension was not named from, and those it was."""
+    files = [path / SAMPLES if path.is_dir() else path for path in logs]
+    for path, source in zip(logs, files, strict=True):
+        if not source.is_file():
+            raise InputError(
+                "--log", path, "an existing .parquet or .csv file, or a run's directory"
+            )
+    named_from = "" if file.extension is None else file.extension.log
+    if file_hash(files) == named_from:
+        return [], list(logs)
+    naming = [p for p, f in zip(logs, files, strict=True) if file_hash([f]) == named_from]
+    return [path for path in logs if path not in naming], naming
+
+
+def _robots(logs: Sequence[Path]) -> int:
+    """How many robots a recorded run must have for the logs' robots to exist."""
+    tables = [read_table(path) for path in logs]
+    return max((int(t["robot"].max()) + 1 for t in tables if "robot" in t), default=ROBOTS)
+
+
+def _check_truth(naming: Sequence[Path], hidden: Sequence[Hidden]) -> None:
+    """Refuse effects other than those of the run that the extension was named from."""
+    for path in naming:
+        truth = hidden_in(path)
+        if truth is not None and told(truth) != told(hidden):
+            raise InputError("--effect", told(hidden), f"what was hidden in {path}: {told(truth)}")
+
+
+def _judged(models: Compared, hidden: Sequence[Hidden]) -> frozenset[int] | None:
+    """Robots named or truly altered; None: all."""
+    true, named = concerned(hidden), models.robots
+    if true is None or named is None or not (true | named):
+        return None
+    return frozenset(true | named)
+
+
+def _kind(run: Path) -> tuple[str, str] | None:
+    """Controller and case of a run's directory; None of a mere log."""
+    path = run / "run.json"
+    if not path.is_file():
+        return None
+    config = json.loads(path.read_text(encoding="utf-8"))["config"]
+    return config["controller"], config["case"]
+
+
+def _notes(run: HeldOut, seen: Sequence[tuple[str, str] | None]) -> dict[str, Any]:
+    """What `gain.json` says of a recorded run."""
+    config = run.config
+    known = seen and None not in seen
+    return {
+        "run": run.name,
+        "controller": config.controller,
+        "case": config.case,
+        "minutes": config.minutes,
+        "seed": config.seed,
+        "like_the_naming_run": (config.controller, config.case) in seen if known else None,
+    }
+
+
+def _given(
+    held: Sequence[Path],
+    models: Compared,
+    true: ModelFile | None,
+    judged: frozenset[int] | None,
+) -> list[Given]:
+    """A lab's runs; robots that nothing was named of are the healthy ones."""
+    drive = models.file.nominal_drive
+    tasks = []
+    for name, table in _runs(held, drive):
+        tasks.append(Given(name, table, models.named(true), models.tables, drive, judged))
+        sound = set(table["robot"].unique().tolist()) - (judged or set())
+        if judged is not None and sound:
+            plain, rest = {HEALTHY: models.plain}, frozenset(sound)
+            tasks.append(Given(name, table, plain, models.tables, drive, rest))
+    return tasks
+
+
+def _sound(healthy: Sequence[Path], models: Compared) -> list[Given]:
+    """Runs of robots known to be sound."""
+    drive, plain = models.file.nominal_drive, {HEALTHY: models.plain}
+    return [
+        Given(f"healthy {name}", table, plain, models.tables, drive, None)
+        for name, table in _runs(healthy, drive)
+    ]
+
+
+def _runs(logs: Sequence[Path], drive: Drive) -> list[tuple[str, pd.DataFrame]]:
+    """Every run of some logs, by name."""
+    runs = []
+    for path in logs:
+        table = read_log(path, drive=drive).frame
+        names = table["run"].astype(str)
+        for name, part in table.groupby(names, sort=False):
+            label = f"{path.name}/{name}" if names.nunique() > 1 else path.name
+            runs.append((label, part))
+    return runs
