@@ -10,21 +10,17 @@ a robot that simply drives badly agrees with no mistake better than with the tru
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import Drive, InputError, replay
+from embedded_sim import Drive, InputError
 from embedded_sim.model import FloatArray
-from models.frames import Windows, motion, wrapped
+from models.agreement import STEPS, Driven, contrast, disagreement, usual_step
+from models.unit_mistakes import Reading, mistakes
 
-WINDOW = 1.0
-"""s; long against latencies of real robots (0.3 s), short against their drift."""
-STEPS = (1e-3, 2.0)
-"""s between rows that a log can have; beyond, time is in another unit."""
 SAMPLE = 20_000
 """Rows looked at, from the start of every segment in turn: enough for any of these mistakes."""
 ALONE = 500
@@ -38,76 +34,6 @@ BETTER = 0.5
 """A mistake must halve the disagreement to be believed."""
 TOO_FAST = 10.0
 """Times the fastest a wheel turns: beyond any other robot's motor, within any mistake of units."""
-STILL = (2e-3, 2e-2)
-"""m, rad: a motion below this says nothing."""
-EPUCK_STEPS = 1000
-"""Motor steps per revolution of an e-puck's wheel, whose speeds its firmware counts in steps/s."""
-
-
-@dataclass(frozen=True)
-class Reading:
-    """One way to read a log's numbers; the defaults are the right one."""
-
-    seen: str = ""
-    fix: str = ""
-    time: float = 1.0
-    length: float = 1.0
-    angle: float = 1.0
-    mirrored: bool = False
-    command: float = 1.0
-
-
-def mistakes(drive: Drive) -> list[Reading]:
-    """The usual mistakes, each with what to do about it."""
-    degree = np.pi / 180
-    radius = sum(drive.wheel_radius) / 2
-    lengths = [("millimetres", 1e-3), ("centimetres", 1e-2)]
-    times = [("milliseconds", 1e-3), ("microseconds", 1e-6), ("nanoseconds", 1e-9)]
-    angles = [
-        ("yaw looks like degrees", "radians", degree, False),
-        ("yaw looks clockwise", "radians counter-clockwise: change its sign", -1.0, False),
-        ("yaw looks like clockwise degrees", "radians counter-clockwise", -degree, False),
-        (
-            "paths look mirrored",
-            "y to the left of x, yaw counter-clockwise; or left and right commands swapped back",
-            1.0,
-            True,
-        ),
-    ]
-    single = [
-        Reading(f"x and y look like {name}", f"metres: multiply by {k:g}", length=k)
-        for name, k in lengths
-    ]
-    single += [
-        Reading(f"t looks like {name}", f"seconds: multiply by {k:g}", time=k) for name, k in times
-    ]
-    single += [
-        Reading(seen, fix, angle=angle, mirrored=mirrored) for seen, fix, angle, mirrored in angles
-    ]
-    commands = [
-        ("degrees per second", "rad/s", degree),
-        ("metres per second of each wheel", "rad/s: divide by the wheel's radius", 1 / radius),
-        ("millimetres per second", "rad/s or m/s", 1e-3),
-        ("revolutions per minute", "rad/s", 2 * np.pi / 60),
-        (
-            "steps per second of an e-puck's motor",
-            f"rad/s: multiply by 2 pi / {EPUCK_STEPS}",
-            2 * np.pi / EPUCK_STEPS,
-        ),
-    ]
-    single += [Reading(f"commands look like {n}", fix, command=k) for n, fix, k in commands]
-    both = [
-        Reading(
-            f"x and y look like {name} and {seen}",
-            f"metres (multiply by {k:g}) and {fix}",
-            length=k,
-            angle=angle,
-            mirrored=mirrored,
-        )
-        for name, k in lengths
-        for seen, fix, angle, mirrored in angles
-    ]
-    return single + both
 
 
 def check_units(
@@ -135,108 +61,61 @@ def check_units(
         InputError: says what the numbers look like and what was expected.
     """
     _check_moving(poses, commands, start)
-    _check_alone(t, poses, commands, start, drive, names)
-    rows = _sample(start)
-    cut = np.concatenate([[0], np.cumsum([b - a for a, b in rows])])
-    taken = np.concatenate([np.arange(a, b) for a, b in rows])
-    t, poses, commands = t[taken], poses[taken], commands[taken]
-    step = float(np.median(np.diff(t)[np.diff(t) > 0])) if (np.diff(t) > 0).any() else 1.0
-    _check_step(step)
-    _check_mistakes(t, poses, commands, cut, drive)
-    _check_speed(commands, drive, fastest)
+    log = Driven(t, poses, commands, start, drive)
+    _check_alone(log, names)
+    rows = log.part(_sample(start))
+    step = usual_step(rows.t)
+    _check_step(1.0 if step is None else step)
+    _check_mistakes(rows)
+    _check_speed(rows.commands, drive, fastest)
 
 
-def _check_mistakes(
-    t: FloatArray,
-    poses: FloatArray,
-    commands: FloatArray,
-    cut: npt.NDArray[np.int64],
-    drive: Drive,
-) -> None:
+def _check_mistakes(rows: Driven) -> None:
     """Refuse a log that a usual mistake explains and that does not agree as it stands."""
-    asis = _disagreement(t, poses, commands, cut, drive, Reading())
-    mistake = _mistaken(asis, t, poses, commands, cut, drive, mistakes(drive))
+    mistake = _mistaken(rows, disagreement(rows, Reading()), mistakes(rows.drive))
     if mistake is not None:
-        seen = f"{_contrast(t, poses, commands, cut, drive)} ({mistake.seen})"
-        raise InputError("log", seen, mistake.fix)
+        raise InputError("log", f"{contrast(rows)} ({mistake.seen})", mistake.fix)
 
 
-def _check_alone(
-    t: FloatArray,
-    poses: FloatArray,
-    commands: FloatArray,
-    start: npt.NDArray[np.int64],
-    drive: Drive,
-    names: Sequence[str],
-) -> None:
+def _check_alone(log: Driven, names: Sequence[str]) -> None:
     """Refuse a log in which some robots are logged in a unit of their own, and name them.
 
     Signs are not judged: a robot whose motors are swapped drives a mirrored path.
     """
     found: dict[int, Reading | None] = {}
-    rows = _sample(start, ALONE)
-    if len(rows) < 2:
+    parts = [log.part([one]) for one in _sample(log.start, ALONE)]
+    if len(parts) < 2:
         return
-    level = np.array([float(np.quantile(np.abs(commands[a:b]), 0.9)) for a, b in rows])
-    for k, (a, b) in enumerate(rows):
-        part = (t[a:b], poses[a:b], commands[a:b], np.array([0, b - a]), drive)
-        asis = _disagreement(*part, Reading())
+    level = np.array([float(np.quantile(np.abs(rows.commands), 0.9)) for rows in parts])
+    for k, rows in enumerate(parts):
+        asis = disagreement(rows, Reading())
         if asis is None:
             continue
         usual = float(np.median(np.delete(level, k)))
         unlike = not usual / UNLIKE <= level[k] <= usual * UNLIKE
         units = [
             m
-            for m in mistakes(drive)
+            for m in mistakes(log.drive)
             if m.length != 1.0 or abs(m.angle) != 1.0 or (unlike and m.command != 1.0)
         ]
-        found[k] = _mistaken(asis, *part, units)
-    odd = [k for k, mistake in found.items() if mistake is not None]
-    seen = {mistake.seen for mistake in found.values() if mistake is not None}
+        found[k] = _mistaken(rows, asis, units)
+    odd = [(k, mistake) for k, mistake in found.items() if mistake is not None]
+    seen = {mistake.seen for _, mistake in odd}
     if not odd or (len(odd) == len(found) and len(seen) == 1):
         return  # what all robots have in common is the log's own unit
-    a, b = rows[odd[0]]
-    mistake = found[odd[0]]
-    assert mistake is not None
+    first, mistake = odd[0]
     more = f" and {len(odd) - 1} more" if len(odd) > 1 else ""
-    contrast = _contrast(t[a:b], poses[a:b], commands[a:b], np.array([0, b - a]), drive)
-    raise InputError(
-        f"{names[odd[0]]}{more}", f"{contrast} ({mistake.seen}, not as others)", mistake.fix
-    )
+    said = f"{contrast(parts[first])} ({mistake.seen}, not as others)"
+    raise InputError(f"{names[first]}{more}", said, mistake.fix)
 
 
-def _mistaken(
-    asis: float | None,
-    t: FloatArray,
-    poses: FloatArray,
-    commands: FloatArray,
-    cut: npt.NDArray[np.int64],
-    drive: Drive,
-    readings: Sequence[Reading],
-) -> Reading | None:
+def _mistaken(rows: Driven, asis: float | None, readings: Sequence[Reading]) -> Reading | None:
     """The reading that explains rows which disagree as they stand, if one does."""
     if asis is None or asis <= GOOD:
         return None
-    tried = [
-        (d, m)
-        for m in readings
-        if (d := _disagreement(t, poses, commands, cut, drive, m)) is not None
-    ]
+    tried = [(d, m) for m in readings if (d := disagreement(rows, m)) is not None]
     best, mistake = min(tried, key=lambda pair: pair[0], default=(1.0, Reading()))
     return mistake if best <= GOOD and best <= BETTER * asis else None
-
-
-def _contrast(
-    t: FloatArray,
-    poses: FloatArray,
-    commands: FloatArray,
-    cut: npt.NDArray[np.int64],
-    drive: Drive,
-) -> str:
-    """What was commanded and what was measured."""
-    replayed = replay(t, commands, cut, np.zeros((len(cut) - 1, 3)), drive=drive).poses
-    told, went = _rates(t, replayed, cut), _rates(t, poses, cut)
-    return f"commands of {told} and measured motion of {went}"
 
 
 def _check_speed(commands: FloatArray, drive: Drive, fastest: float | None) -> None:
@@ -325,65 +204,3 @@ def _sample(start: npt.NDArray[np.int64], least: int = 50) -> list[tuple[int, in
     each = max(int(SAMPLE / (len(start) - 1)), least)
     ranges = [(int(a), int(min(b, a + each))) for a, b in pairwise(start)]
     return ranges[: max(1, SAMPLE // 50)]
-
-
-def _disagreement(
-    t: FloatArray,
-    poses: FloatArray,
-    commands: FloatArray,
-    cut: npt.NDArray[np.int64],
-    drive: Drive,
-    reading: Reading,
-) -> float | None:
-    """How little measured and replayed motion agree under a reading, 0 to 1; None: no telling.
-
-    Per window |measured - replayed| / (|measured| + |replayed|), median over the windows that move;
-    the worse of place and heading.
-    """
-    time = t * reading.time
-    step = float(np.median(np.diff(time)[np.diff(t) > 0])) if (np.diff(t) > 0).any() else 0.0
-    if not STEPS[0] <= step <= STEPS[1]:
-        return None
-    ahead = max(1, round(WINDOW / step))
-    driven = replay(
-        time, commands * reading.command, cut, np.zeros((len(cut) - 1, 3)), drive=drive
-    ).poses
-    seen = poses * [reading.length, reading.length, reading.angle]
-    if reading.mirrored:
-        seen = seen * [1.0, -1.0, -1.0]
-    first = np.arange(len(time) - ahead)
-    segment = np.searchsorted(cut, np.arange(len(time)), side="right")
-    first = first[segment[first] == segment[first + ahead]]
-    ok = np.isfinite(seen[first]).all(axis=1) & np.isfinite(seen[first + ahead]).all(axis=1)
-    first = first[ok]
-    if len(first) < 5:
-        return None
-    pairs = Windows(first, first + ahead)
-    went, told = motion(seen, pairs), motion(driven, pairs)
-    place = np.hypot(*(went - told)[:, :2].T)
-    size = np.hypot(*went[:, :2].T) + np.hypot(*told[:, :2].T)
-    turn = np.abs(wrapped(went[:, 2] - told[:, 2]))
-    turned = np.abs(went[:, 2]) + np.abs(told[:, 2])
-    parts = {
-        name: float(np.median(np.minimum(off[moves] / total[moves], 1.0)))
-        for name, off, total, least in (
-            ("place", place, size, STILL[0]),
-            ("heading", turn, turned, STILL[1]),
-        )
-        if (moves := total > max(least, float(np.median(total)))).sum() >= 5
-    }
-    # a unit is not right because in it there is next to nothing left to disagree about
-    if reading.length != 1.0 and "place" not in parts:
-        return None
-    if abs(reading.angle) != 1.0 and "heading" not in parts:
-        return None
-    return max(parts.values()) if parts else None
-
-
-def _rates(t: FloatArray, poses: FloatArray, cut: npt.NDArray[np.int64]) -> str:
-    """Median speed and turn rate of poses as the log counts them."""
-    same = np.ones(len(t) - 1, dtype=bool)
-    same[cut[1:-1] - 1] = False
-    change = np.abs(np.diff(poses, axis=0) / np.diff(t)[:, None])[same]
-    speed = float(np.nanmedian(np.hypot(change[:, 0], change[:, 1])))
-    return f"{speed:.2g} m/s and {float(np.nanmedian(change[:, 2])):.2g} rad/s"

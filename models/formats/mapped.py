@@ -32,8 +32,8 @@ from embedded_sim.errors import nearest
 from models.files import Table, checked
 from models.formats.joined import join, latest, series
 from models.log import read_table
-from models.plausible import EPUCK_STEPS
 from models.schema import BODY_COMMANDS, POSE, UNITS, WHEEL_COMMANDS
+from models.unit_mistakes import EPUCK_STEPS
 
 SCALES: dict[str, dict[str, float]] = {
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
