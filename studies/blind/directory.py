@@ -7,7 +7,6 @@ blind.json, figures/, report.html   made from the trials
 
 from __future__ import annotations
 
-import fcntl
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,6 +17,7 @@ from embedded_sim.errors import InputError
 from studies.blind.trials import BlindConfig, Trial
 from studies.output import whole_file
 from studies.provenance import versions, write_json
+from studies.resumed import check_same, locked
 
 OURS = ("battery.json", "trials", "figures", "blind.json", "report.html", ".lock")
 
@@ -41,17 +41,7 @@ class BlindDirectory:
             strangers = [path for path in self.out.iterdir() if path.name not in OURS]
             if strangers:
                 raise InputError("--out", self.out, "a new or empty directory, or a battery")
-        try:
-            (self.out / "trials").mkdir(parents=True, exist_ok=True)
-            lock = (self.out / ".lock").open("a")
-        except OSError as error:
-            expected = f"a writable directory ({error.strerror})"
-            raise InputError("--out", self.out, expected) from None
-        with lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                raise InputError("--out", self.out, "a battery that is not running") from None
+        with locked(self.out, "trials", "a battery"):
             self._resume()
             yield self
 
@@ -88,11 +78,4 @@ class BlindDirectory:
             found = dict(json.loads(path.read_text(encoding="utf-8")))
         except (OSError, ValueError, TypeError):
             raise InputError("--out", path, "the battery.json of a battery") from None
-        differs = [
-            f"{key} {found.get(key)} there, {asked.get(key)} now"
-            for key in asked | found
-            if found.get(key) != asked.get(key)
-        ]
-        if differs:
-            expected = "the configuration it was begun with; differs: " + "; ".join(differs)
-            raise InputError("--out", self.out, expected)
+        check_same(self.out, found, asked)

@@ -7,7 +7,6 @@ runs/NAME/          one run each, named when it is whole
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import shutil
@@ -22,6 +21,7 @@ from embedded_sim.errors import InputError
 from studies.experiment import RunConfig
 from studies.output import whole_directory, whole_file
 from studies.provenance import versions, write_json
+from studies.resumed import check_same, locked
 
 SCHEMA = 1
 RUN_FILES = ("run.json", "truth.json", "generations.parquet", "deposits.parquet")
@@ -68,18 +68,7 @@ class StudyDirectory(Generic[Study, Run]):
             InputError: it belongs to another configuration, to something else, or is in use.
         """
         self._refuse_strangers()
-        try:
-            (self.out / "runs").mkdir(parents=True, exist_ok=True)
-            lock = (self.out / ".lock").open("a")
-        except OSError as error:
-            raise InputError(
-                "--out", self.out, f"a writable directory ({error.strerror})"
-            ) from None
-        with lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                raise InputError("--out", self.out, "a study that is not running") from None
+        with locked(self.out, "runs", "a study"):
             self._resume()
             yield self
 
@@ -145,14 +134,7 @@ class StudyDirectory(Generic[Study, Run]):
         except (OSError, ValueError, KeyError, TypeError):
             raise InputError("--out", path, "the study.json of a study") from None
         asked = {**self._notes["configuration"], **self._notes["versions"]}
-        differs = [
-            f"{key} {found.get(key)} there, {asked.get(key)} now"
-            for key in asked | found
-            if found.get(key) != asked.get(key)
-        ]
-        if differs:
-            expected = "the configuration it was begun with; differs: " + "; ".join(differs)
-            raise InputError("--out", self.out, expected)
+        check_same(self.out, found, asked)
         self._notes["sessions"] = sessions
 
     def _write(self) -> None:
