@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any, get_args
+from collections.abc import Mapping
+from typing import Any, TypeVar, get_args
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from embedded_sim.errors import InputError, nearest
 from embedded_sim.probes import MENU, PREFIX
 from embedded_sim.reading import reading as reading_by_name
 from studies.experiment import Case, Controller, GenomeName, RunConfig
+
+Config = TypeVar("Config", bound=BaseModel)
 
 _WORDS = {
     "case": get_args(Case),
@@ -28,10 +31,19 @@ def run_config(**values: Any) -> RunConfig:
         if values.get(field, words[0]) not in words:
             raise InputError(f"--{field}", repr(values[field]), nearest(values[field], words))
     reading_by_name(values.get("reading", "default"))
+    return checked(RunConfig, values)
+
+
+def checked(kind: type[Config], values: Mapping[str, Any]) -> Config:
+    """A configuration whose fields are named as the options of the command line.
+
+    Raises:
+        InputError: the first value that cannot be used.
+    """
     try:
-        return RunConfig(**values)
+        return kind(**values)
     except ValidationError as error:
         first = error.errors()[0]
-        field = ".".join(str(part) for part in first["loc"])
+        option = str(first["loc"][0]).replace("_", "-")
         expected = first["msg"].removeprefix("Input should be ")
-        raise InputError(f"--{field}", first["input"], f"a value {expected}") from None
+        raise InputError(f"--{option}", first["input"], f"a value {expected}") from None

@@ -11,13 +11,14 @@ from dataclasses import asdict, dataclass
 from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from embedded_sim.errors import InputError, nearest
 from reality.effects import catalogue
 from studies.blind.menu import MENU, STRANGE, Value
 from studies.blind.unlisted import UNLISTED
 from studies.experiment import Case, Controller, RunConfig
+from studies.settings import checked
 
 Kind = Literal["healthy", "single", "pair", "unlisted", "left_out", "rest"]
 """`left_out`: an effect whose cause the diagnosis must do without; `rest`: the robots of a crowd
@@ -81,13 +82,7 @@ def blind_config(**values: Any) -> BlindConfig:
     for kind in values.get("kinds", ()):
         if kind not in get_args(Drawn):
             raise InputError("--kind", repr(kind), nearest(kind, get_args(Drawn)))
-    try:
-        config = BlindConfig(**values)
-    except ValidationError as error:
-        first = error.errors()[0]
-        field = ".".join(str(part) for part in first["loc"])
-        expected = first["msg"].removeprefix("Input should be ")
-        raise InputError(f"--{field}", first["input"], f"a value {expected}") from None
+    config = checked(BlindConfig, values)
     if "swarm" in config.kinds and not any(MENU[name].swarm_bar for name in config.effects):
         able = ", ".join(name for name, entry in MENU.items() if entry.swarm_bar)
         raise InputError("--kind", "swarm", f"an effect among {able}")

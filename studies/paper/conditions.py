@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
-from embedded_sim.errors import InputError
 from models.modelfile import find_model_file, load_models
 from studies.experiment import Case, Controller, RunConfig
+from studies.settings import checked
 
 StudyName = Literal["paper", "readings"]
 
@@ -127,13 +127,7 @@ def study_config(**values: Any) -> StudyConfig:
     Raises:
         InputError: the first value that cannot be used, or the model.
     """
-    try:
-        config = StudyConfig(**values)
-    except ValidationError as error:
-        first = error.errors()[0]
-        field_name = ".".join(str(part) for part in first["loc"])
-        expected = first["msg"].removeprefix("Input should be ")
-        raise InputError(f"--{field_name}", first["input"], f"a value {expected}") from None
+    config = checked(StudyConfig, values)
     if config.model is None:
         return config
     load_models(config.model, config.robots)  # refused now, not in every worker

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
-from embedded_sim.errors import InputError
 from studies.experiment import FIXED_GENOMES, GenomeName, RunConfig
 from studies.paper.conditions import run_seed
+from studies.settings import checked
 from studies.transfer.alterations import Alteration
 
 ModelKind = Literal["minimal", "extended", "oracle"]
@@ -118,10 +118,4 @@ def transfer_config(**values: Any) -> TransferConfig:
     Raises:
         InputError: the first value that cannot be used.
     """
-    try:
-        return TransferConfig(**values)
-    except ValidationError as error:
-        first = error.errors()[0]
-        field_name = str(first["loc"][0]).replace("_", "-")
-        expected = first["msg"].removeprefix("Input should be ")
-        raise InputError(f"--{field_name}", first["input"], f"a value {expected}") from None
+    return checked(TransferConfig, values)
