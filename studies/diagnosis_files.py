@@ -33,6 +33,7 @@ from studies.diagnosis_request import Request
 from studies.next_experiment import commands
 from studies.output import whole_directory
 from studies.progress import unseen
+from studies.provenance import write_json
 
 NO_REFERENCE = "none"
 
@@ -63,9 +64,7 @@ def diagnose_files(
         following = commands(found.proposal, request, log)
         content["next_experiment"]["commands"] = list(following)
     with whole_directory(out, force=force, holds=("diagnosis.json",)) as part:
-        (part / "diagnosis.json").write_text(
-            json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8"
-        )
+        write_json(part / "diagnosis.json", content)
         write_extended(model, path, named, part)
         write_report(examined, part / "report.html", command=request.command, following=following)
     return found

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from models.shares import Share, explained
 from studies.fitness_gap.by_third import CoevolutionGap
 from studies.gap_figures import draw_coevolution, draw_figures
 from studies.gap_words import fitness_line, ranked_maps, summary
+from studies.provenance import write_json
 
 SCHEMA = 1
 MOST_CONDITIONS = 3
@@ -42,7 +42,7 @@ def write_gap(
     if coevolution is not None:
         write_table(coevolution.table, out / "coevolution.parquet", coevolution.units)
     draw_figures(log, gap, out, coevolution)
-    _write_json(report, out)
+    write_json(out / "gap.json", report)
     return report
 
 
@@ -51,7 +51,7 @@ def write_coevolution(found: CoevolutionGap, out: Path) -> dict[str, Any]:
     report = {"schema": SCHEMA, "coevolution": found.report, "summary": [fitness_line(found)]}
     write_table(found.table, out / "coevolution.parquet", found.units)
     draw_coevolution(found, out)
-    _write_json(report, out)
+    write_json(out / "gap.json", report)
     return report
 
 
@@ -209,9 +209,3 @@ def _map_table(gap: Gap) -> pd.DataFrame:
         frame.insert(0, "kind", kind)
         parts.append(frame.assign(p=found.p, unit=unit_of(found.channel)))
     return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
-
-
-def _write_json(report: dict[str, Any], out: Path) -> None:
-    """`gap.json`."""
-    text = json.dumps(report, indent=1, allow_nan=False)
-    (out / "gap.json").write_text(text + "\n", encoding="utf-8")

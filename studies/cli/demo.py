@@ -30,14 +30,15 @@ def demo(
     """
     from studies.demo.chapters import tell
     from studies.demo.report import write_report
-    from studies.demo.story import Size, verdict_line, write_json
+    from studies.demo.story import Size, as_json, verdict_line
     from studies.execution import Workers
     from studies.output import whole_directory
+    from studies.provenance import write_json
 
     workers = Workers.chosen(jobs, None)
     with whole_directory(out, force=force, holds=("demo.json", "run.json")) as part:
         story = tell(seed, Size(), part, workers, quiet=quiet)
-        write_json(story, part / "demo.json")
+        write_json(part / "demo.json", as_json(story))
         write_report(story, part)
     if not quiet:
         typer.echo(f"{verdict_line(story).capitalize()}. See {out / 'report.html'}")

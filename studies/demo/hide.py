@@ -16,6 +16,7 @@ from reality import constants as k
 from studies.blind.menu import MENU, Value
 from studies.blind.trials import Hidden
 from studies.experiment import Case, RunConfig
+from studies.provenance import write_json
 
 DRAW = 5
 """Spawn key of the draw, our choice: with it the default seed draws what changes food most."""
@@ -141,7 +142,7 @@ def seal(secret: Secret, config: RunConfig, path: Path) -> str:
         "case": config.case,
         "seed": config.seed,
     }
-    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    write_json(path, content)
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 

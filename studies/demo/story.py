@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import io
-import json
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -135,8 +133,3 @@ def as_json(story: Story) -> dict[str, Any]:
         },
         "prediction": [] if story.gain is None else story.gain.content["errors"],
     }
-
-
-def write_json(story: Story, path: Path) -> None:
-    """Write `demo.json`."""
-    path.write_text(json.dumps(as_json(story), indent=1, allow_nan=False) + "\n", encoding="utf-8")

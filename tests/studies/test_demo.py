@@ -13,9 +13,10 @@ from studies.blind.menu import MENU
 from studies.demo.chapters import CHAPTERS, tell
 from studies.demo.hide import MENU_OF_THE_DEMO, draw, run_seed, seal, unseal
 from studies.demo.report import write_report
-from studies.demo.story import Size, verdict_line, write_json
+from studies.demo.story import Size, as_json, verdict_line
 from studies.execution import Workers
 from studies.experiment import RunConfig
+from studies.provenance import write_json
 
 SEEDS = range(200)
 
@@ -58,7 +59,7 @@ def test_the_whole_story_in_short(tmp_path: Path, capfd: pytest.CaptureFixture[s
         held_out_minutes=0.4,
     )
     story = tell(0, size, tmp_path, Workers(2), quiet=False)
-    write_json(story, tmp_path / "demo.json")
+    write_json(tmp_path / "demo.json", as_json(story))
     write_report(story, tmp_path)
     said = capfd.readouterr().err
     assert all(f"{k}/8 {name} …" in said for k, name in enumerate(CHAPTERS, start=1))
