@@ -16,9 +16,18 @@ from reality.effects import Effect, Parameter
 from reality.effects.effect import WHEEL, Robots, Value, number, wheels
 from reality.hardware import FloatArray, Hardware
 
+Apply = Callable[[Hardware, Robots, Mapping[str, Value]], None]
+
 SHARE = Parameter(low=0.0, high=0.9, null=0.0)
 REACH = 0.05
 """m over which `shy_robots` feel one another; our choice."""
+
+
+def _amount(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> FloatArray:
+    """(robots, 1) share that each robot loses."""
+    amount: FloatArray = np.zeros((hardware.robots, 1))
+    amount[robots] = number(values, "share")
+    return amount
 
 
 def _eccentric(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
@@ -29,14 +38,13 @@ def _eccentric(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) 
     )
 
 
-def _slower_where(where: Callable[[FloatArray], FloatArray]) -> Callable[..., None]:
+def _slower_where(where: Callable[[FloatArray], FloatArray]) -> Apply:
     """Wheels of the chosen robots lose a share of speed in proportion to `where` (robots,)."""
 
     def apply(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
-        amount: FloatArray = np.zeros(hardware.robots)
-        amount[robots] = number(values, "share")
+        amount = _amount(hardware, robots, values)
         hardware.laws.wheels = lambda speeds, angles, poses, time: (
-            speeds * (1.0 - amount * where(poses))[:, None]
+            speeds * (1.0 - amount * where(poses)[:, None])
         )
 
     return apply
@@ -56,8 +64,7 @@ def _crowded(poses: FloatArray) -> FloatArray:
 
 
 def _fast(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
-    amount: FloatArray = np.zeros((hardware.robots, 1))
-    amount[robots] = number(values, "share")
+    amount = _amount(hardware, robots, values)
     hardware.laws.wheels = lambda speeds, angles, poses, time: (
         speeds * (1.0 - amount * np.abs(speeds) / k.WHEEL_SPEED_MAX)
     )
@@ -87,6 +94,18 @@ def _flicker(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) ->
     hardware.laws.lamp = lambda time: 1.0 + share * math.sin(2.0 * math.pi * time / period)
 
 
+def _in_motion(name: str, physics: str, apply: Apply, *, per_robot: bool = True) -> Effect:
+    """An effect on motion whose size is a share."""
+    return Effect(
+        name=name,
+        kind="motion",
+        physics=physics,
+        parameters={"share": SHARE},
+        apply=apply,
+        per_robot=per_robot,
+    )
+
+
 UNLISTED: Mapping[str, Effect] = {
     effect.name: effect
     for effect in (
@@ -97,34 +116,20 @@ UNLISTED: Mapping[str, Effect] = {
             parameters={"share": SHARE, "wheel": WHEEL},
             apply=_eccentric,
         ),
-        Effect(
-            name="carpet",
-            kind="motion",
-            physics="wheels turn slower on the left half of the floor",
-            parameters={"share": SHARE},
-            apply=_slower_where(_on_carpet),
+        _in_motion(
+            "carpet",
+            "wheels turn slower on the left half of the floor",
+            _slower_where(_on_carpet),
             per_robot=False,
         ),
-        Effect(
-            name="shy_robots",
-            kind="motion",
-            physics="wheels turn slower near another robot",
-            parameters={"share": SHARE},
-            apply=_slower_where(_crowded),
+        _in_motion("shy_robots", "wheels turn slower near another robot", _slower_where(_crowded)),
+        _in_motion(
+            "speed_loss", "the faster a wheel is told to turn, the larger the share it loses", _fast
         ),
-        Effect(
-            name="speed_loss",
-            kind="motion",
-            physics="the faster a wheel is told to turn, the larger the share it loses",
-            parameters={"share": SHARE},
-            apply=_fast,
-        ),
-        Effect(
-            name="lens",
-            kind="motion",
-            physics="the tracker's lens pulls what is far from the middle inwards",
-            parameters={"share": SHARE},
-            apply=_lens,
+        _in_motion(
+            "lens",
+            "the tracker's lens pulls what is far from the middle inwards",
+            _lens,
             per_robot=False,
         ),
         Effect(
