@@ -70,6 +70,14 @@ FIXED_GENOMES: dict[str, tuple[float, float]] = {
 }
 """The fixed optimal controllers (III-I): phototaxis while carrying food, search otherwise."""
 
+Minutes = Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)]
+"""Simulated; at most a day."""
+Robots = Annotated[int, Field(ge=1, le=100)]
+"""More do not find room in the arena."""
+Seed = Annotated[int, Field(ge=0)]
+Trials = Annotated[int, Field(ge=1, le=1000)]
+"""Embedded trials per genome."""
+
 RADIO_STEPS = round(k.RADIO_PERIOD / CONTROL_STEP)
 
 
@@ -80,14 +88,13 @@ class RunConfig(BaseModel):
 
     case: Case = "light-at-nest"
     controller: Controller | Annotated[str, AfterValidator(_known_probe)] = "coevolution"
-    minutes: Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)] = 60.0
-    robots: Annotated[int, Field(ge=1, le=100)] = 10
-    """More do not find room in the arena."""
-    seed: Annotated[int, Field(ge=0)] = 0
+    minutes: Minutes = 60.0
+    robots: Robots = 10
+    seed: Seed = 0
     model: str | None = None
     """Model file on board; None: the shipped nominal e-puck."""
     reading: str = "default"
-    trials: Annotated[int, Field(ge=1, le=1000)] = 1
+    trials: Trials = 1
     genome: GenomeName = "paper"
     """What co-evolves of a controller; a fixed one has no genes that do."""
     samples: bool = True

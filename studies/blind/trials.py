@@ -17,7 +17,7 @@ from embedded_sim.errors import InputError, nearest
 from reality.effects import catalogue
 from studies.blind.menu import MENU, STRANGE, Value
 from studies.blind.unlisted import UNLISTED
-from studies.experiment import Case, Controller, RunConfig
+from studies.experiment import Case, Controller, RunConfig, Seed
 from studies.settings import checked
 
 Kind = Literal["healthy", "single", "pair", "unlisted", "left_out", "rest"]
@@ -54,7 +54,7 @@ class BlindConfig(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     trials: Annotated[int, Field(ge=1, le=100_000)] = 200
-    seed: Annotated[int, Field(ge=0)] = 0
+    seed: Seed = 0
     robots: Annotated[int, Field(ge=3, le=100)] = 10
     effects: tuple[str, ...] = ()
     """To draw from; none: a battery of healthy runs."""

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from models.modelfile import find_model_file, load_models
-from studies.experiment import Case, Controller, RunConfig
+from studies.experiment import Case, Controller, Minutes, Robots, RunConfig, Seed
 from studies.settings import checked
 
 StudyName = Literal["paper", "readings"]
@@ -60,9 +60,9 @@ class StudyConfig(BaseModel):
 
     study: StudyName = "paper"
     runs: Annotated[int, Field(ge=1, le=10_000)] = 10
-    minutes: Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)] = 60.0
-    robots: Annotated[int, Field(ge=1, le=100)] = 10
-    seed: Annotated[int, Field(ge=0)] = 0
+    minutes: Minutes = 60.0
+    robots: Robots = 10
+    seed: Seed = 0
     model: str | None = None
     """Model file on board; None: the shipped nominal e-puck."""
     model_hash: str | None = None

@@ -7,7 +7,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from studies.experiment import FIXED_GENOMES, GenomeName, RunConfig
+from studies.experiment import (
+    FIXED_GENOMES,
+    GenomeName,
+    Minutes,
+    Robots,
+    RunConfig,
+    Seed,
+    Trials,
+)
 from studies.paper.conditions import run_seed
 from studies.settings import checked
 from studies.transfer.alterations import Alteration
@@ -33,11 +41,11 @@ class TransferConfig(BaseModel):
     """Paired runs of each model."""
     bars: Annotated[int, Field(ge=0, le=10_000)] = 3
     """Runs of each of the three fixed controllers, on the first of the same seeds."""
-    minutes: Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)] = 20.0
-    log_minutes: Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)] = LOG_MINUTES
-    robots: Annotated[int, Field(ge=1, le=100)] = 10
-    seed: Annotated[int, Field(ge=0)] = 0
-    trials: Annotated[int, Field(ge=1, le=1000)] = TRIALS
+    minutes: Minutes = 20.0
+    log_minutes: Minutes = LOG_MINUTES
+    robots: Robots = 10
+    seed: Seed = 0
+    trials: Trials = TRIALS
     genome: GenomeName = "paper"
     extended: str | None = None
     """A given extended model; None: diagnosed from a log recorded in the altered reality."""
