@@ -17,9 +17,11 @@ class Reading:
     """One way to read a log's numbers; the defaults are the right one."""
 
     seen: str = ""
+    """What the numbers look like."""
     fix: str = ""
-    """What the numbers look like, and what they should be."""
+    """What they should be."""
     time: float = 1.0
+    """Multiplies, as the others that are no words."""
     length: float = 1.0
     angle: float = 1.0
     mirrored: bool = False
