@@ -124,8 +124,9 @@ static inline int32_t rg_look_ahead(const rg_model *m, const rg_behaviour *b, co
         const double uy = s * m->sensor_cos[k] + c * m->sensor_sin[k];
         if (!rg_sees_wall(m, x, y, ux, uy, w->reach[k]))
             continue;
-        const double ps = m->ps_offset[k] + m->ps_gain[k] * rg_wall_reading(m, k, x, y, ux, uy);
-        const double noisy = t->ps_noise[k] * ps + t->ps_noise_floor;
+        const double wall = m->ps_gain[k] * rg_wall_reading(m, k, x, y, ux, uy);
+        const double ps = m->ps_offset[k] + wall;
+        const double noisy = t->ps_noise[k] * wall + t->ps_noise_floor;
         if (ps + fabs(noisy) < b->avoid_threshold[k] * (1.0 - RG_MARGIN))
             continue; /* whatever the noise */
         if (!drawn)

@@ -287,7 +287,7 @@ class _Search:
                 return fit
             at = fit.part(term).start
             here = fit.coordinates.copy()
-            here[0, at] = bracket(self.problem, terms, here, at)[0]
+            here[0, at] = bracket(self.problem, terms, here, at).best
             return self.problem.fit(terms, [here])
         except Diverged:
             return None

@@ -197,8 +197,8 @@ def _threshold(
     problem: Problem, terms: Terms, coordinates: FloatArray, at: int, term: Term
 ) -> Value:
     parameter = term.cause.parameters[0]
-    value, low, high = bracket(problem, terms, coordinates, at)
-    return Value(parameter.name, value, low, high, parameter.unit)
+    told = bracket(problem, terms, coordinates, at)
+    return Value(parameter.name, told.mean, told.low, told.high, parameter.unit)
 
 
 def _sharing(

@@ -76,13 +76,20 @@ def values(
     return tuple(found)
 
 
-def bracket(
-    problem: Problem, terms: Terms, coordinates: FloatArray, at: int
-) -> tuple[float, float, float]:
-    """A threshold that jumps: its best value and the range the data leaves possible.
+class Bracket(NamedTuple):
+    """Where a threshold lies that a log only shows between two commanded speeds."""
 
-    Between two neighbouring commanded speeds every threshold is the same: the value is the middle
-    of the best such gap, and the interval joins the gaps that are not clearly worse.
+    best: float
+    """Middle of the gap between neighbouring speeds that fits best."""
+    mean: float
+    """Over all gaps, each weighted by its width and by how well it fits."""
+    low: float
+    high: float
+    """Ends of the gaps that are not clearly worse."""
+
+
+def bracket(problem: Problem, terms: Terms, coordinates: FloatArray, at: int) -> Bracket:
+    """A threshold that jumps: between neighbouring commanded speeds all its values are the same.
 
     Args:
         problem: With a single group.
@@ -105,8 +112,13 @@ def bracket(
         losses.append(float(rows.sum()))
     loss = np.array(losses)
     possible = np.flatnonzero(loss < loss.min() + PROFILE)
-    best = int(np.argmin(loss))
-    return float(middles[best]), float(edges[possible[0]]), float(edges[possible[-1] + 1])
+    weight = np.diff(edges) * np.exp(-2.0 * (loss - loss.min()) / PROFILE)  # its end: two s.d.
+    return Bracket(
+        best=float(middles[np.argmin(loss)]),
+        mean=float(np.average(middles, weights=weight)),
+        low=float(edges[possible[0]]),
+        high=float(edges[possible[-1] + 1]),
+    )
 
 
 REACH = 12

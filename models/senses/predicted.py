@@ -68,7 +68,8 @@ def noise(
     assert tables is not None
     scale = np.array([belief.senses.ps_noise for belief in beliefs])[sight.robot][:, None]
     floor, light = tables.ps_noise_floor * UNIFORM, tables.ls_noise * UNIFORM
-    ps, lit = counts[:, :SENSORS], np.abs(tables.ls_dark - counts[:, SENSORS:])
+    ambient = np.array([belief.senses.ps_offset for belief in beliefs])[sight.robot]
+    ps, lit = counts[:, :SENSORS] - ambient, np.abs(tables.ls_dark - counts[:, SENSORS:])
     variance = np.hstack(
         [
             scale**2 * ((tables.ps_noise * UNIFORM * ps) ** 2 + floor**2),
