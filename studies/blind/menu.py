@@ -128,7 +128,7 @@ MENU: Mapping[str, Entry] = {
     "speed_droop": Entry(unit="share in 120 s", bar=0.02, values=_plain("rate", DECAY_SECONDS)),
     "tracker_yaw_offset": Entry(unit="rad", bar=DEGREE, values=_signed("angle")),
     "tracker_offset": Entry(unit="m", bar=0.001, values=_displaced),
-    "clock_offset": Entry(unit="s", bar=0.016, values=_signed("seconds")),
+    "clock_offset": Entry(unit="s", bar=0.016, values=_plain("seconds")),
     "floor_tilt": Entry(unit="rad", bar=2.0 * DEGREE, largest=0.35, values=_tilt),
     # infrared
     "ir_gain": Entry(unit=SHARE, bar=0.1, largest=0.9, values=_gain),
