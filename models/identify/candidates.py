@@ -7,7 +7,8 @@ import numpy as np
 from embedded_sim.model import FloatArray
 from models.causes import Cause, causes
 from models.causes.withheld import withheld
-from models.identify.fit import Problem, Term, Terms
+from models.identify.fit import Problem
+from models.identify.hypothesis import Term, Terms
 
 REPRESENTATIVES = ("clock_offset", "weak_motor")
 """Of causes that move poses exactly alike, the one whose parameter may have either sign."""

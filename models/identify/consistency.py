@@ -13,7 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from embedded_sim.model import FloatArray
-from models.identify.fit import Fit, Problem, Term, ridged
+from models.identify.fit import Problem, ridged
+from models.identify.hypothesis import Fit, Term
 from models.identify.residual import weights
 from models.identify.tracks import Tracks
 

@@ -12,9 +12,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from models.causes import Cause
-from models.identify.fit import Problem, Term
+from models.identify.choice import Choice, Evidence, Mimic
+from models.identify.fit import Problem
+from models.identify.hypothesis import Term
 from models.identify.measure import distance
-from models.identify.select import Choice, Evidence, Mimic
 from models.identify.twins import Twins
 from models.reference import Reference
 

@@ -9,15 +9,14 @@ trusts rows to be independent.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from embedded_sim import Diverged
 from embedded_sim.model import FloatArray
-from models.causes import Cause, Motion
+from models.causes import Motion
+from models.identify.hypothesis import Fit, Terms
 from models.identify.predict import poses
 from models.identify.residual import Fitter, deviance, weights
 from models.identify.tracks import Rows, Tracks
@@ -32,46 +31,6 @@ FOLDS = 5
 RIDGE = 1e-9
 """Relative curvature added where a parameter has no effect."""
 NORMAL = 1.4826
-
-
-class Term(NamedTuple):
-    """One variant of a cause."""
-
-    cause: Cause
-    variant: str
-
-    @property
-    def key(self) -> str:
-        """A name for tables: `motor_saturation/left`, `motor_lag`."""
-        return f"{self.cause.name}/{self.variant}" if self.variant else self.cause.name
-
-
-Terms = tuple[Term, ...]
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Fit:
-    """A hypothesis fitted to every group of robots; p parameters in all."""
-
-    terms: Terms
-    coordinates: FloatArray
-    """(groups, p)."""
-    covariance: FloatArray
-    """(groups, p, p) by blocks."""
-    residual: FloatArray
-    """(n, 3) errors at the optimum, in noise."""
-    held_out: FloatArray
-    """(n, 3) errors of each window at the optimum of the other folds."""
-
-    def part(self, term: Term) -> slice:
-        """Columns of a term's parameters."""
-        begin = 0
-        for one in self.terms:
-            end = begin + len(one.cause.parameters)
-            if one == term:
-                return slice(begin, end)
-            begin = end
-        raise KeyError(term.key)
 
 
 class Problem:

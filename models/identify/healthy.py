@@ -12,7 +12,8 @@ from embedded_sim import Drive
 from embedded_sim.model import FloatArray
 from models.causes import ALL, Motion
 from models.identify.candidates import candidates, own_starts
-from models.identify.fit import Fit, Problem, Term
+from models.identify.fit import Problem
+from models.identify.hypothesis import Fit, Term
 from models.identify.inherent import INHERENT
 from models.identify.measure import distance, jump, strength, uncertainty
 from models.identify.structure import follows, pool

@@ -6,9 +6,9 @@ import numpy as np
 
 from embedded_sim.model import FloatArray
 from models.diagnosis import Unexplained
+from models.identify.choice import Mimic
 from models.identify.consistency import PARTS
 from models.identify.fit import Problem
-from models.identify.select import Mimic
 from models.identify.structure import CHANNELS, QUANTITIES, Follow, pool
 from models.identify.swarm import Identified
 from models.identify.tracks import Tracks

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from embedded_sim.model import FloatArray
-from models.identify.fit import Fit, Problem, Term
+from models.identify.fit import Problem
+from models.identify.hypothesis import Fit, Term
 from models.identify.residual import weights
 
 

@@ -15,7 +15,8 @@ from embedded_sim import Diverged
 from embedded_sim.model import FloatArray
 from models.causes import Motion
 from models.identify.candidates import candidates, own_starts
-from models.identify.fit import Problem, Term
+from models.identify.fit import Problem
+from models.identify.hypothesis import Term
 from models.identify.residual import weights
 
 

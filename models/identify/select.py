@@ -7,8 +7,7 @@ stays within that spread is how healthy robots differ: it is kept in the fit, un
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 from scipy import stats
@@ -16,8 +15,10 @@ from scipy import stats
 from embedded_sim import Diverged
 from embedded_sim.model import FloatArray
 from models.identify.candidates import starts
-from models.identify.consistency import Misfit, misfit
-from models.identify.fit import Fit, Problem, Term
+from models.identify.choice import Choice, Evidence, Mimic
+from models.identify.consistency import misfit
+from models.identify.fit import Problem
+from models.identify.hypothesis import Fit, Term
 from models.identify.measure import distance, jump
 from models.identify.screen import glance
 from models.identify.separable import inseparable
@@ -47,52 +48,6 @@ BESIDE = 0.5
 unknown would be named, too. Our choice."""
 RIVAL_SHARE = 0.3
 """Of the gain that a term needs to be looked at as a rival."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Evidence:
-    """One term of the chosen set, with what speaks for it."""
-
-    term: Term
-    coordinates: FloatArray
-    """(p,)."""
-    covariance: FloatArray
-    """(p, p)."""
-    gain: float
-    """Held-out deviance that the set loses without it."""
-    share: float
-    """That gain relative to the deviance without it."""
-    p_value: float
-    """Of a healthy robot showing as much, normal tails."""
-    distance: float
-    """Standard deviations from the healthy value."""
-    rivals: tuple[Term, ...] = ()
-    """Terms that could stand in its place."""
-    gains: tuple[tuple[str, float], ...] = ()
-    """Held-out deviance that every term fitted at its turn took off, best first."""
-
-
-class Mimic(NamedTuple):
-    """A term that helps, and where it does not fit."""
-
-    evidence: Evidence
-    misfit: Misfit
-    gain: float
-    """Held-out deviance of one robot."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Choice:
-    """What was chosen for a group of robots."""
-
-    problem: Problem
-    named: tuple[Evidence, ...]
-    fit: Fit
-    """With every term kept, named or not."""
-    before: Fit
-    """Without any term."""
-    mimics: tuple[Mimic, ...] = ()
-    """Terms that help and do not fit: they mimic something that is not in the catalogue."""
 
 
 def choose(problem: Problem, reference: Reference, *, swarm: bool = False) -> Choice:

@@ -13,7 +13,8 @@ from embedded_sim import Diverged
 from embedded_sim.model import FloatArray
 from models.identify.candidates import candidates
 from models.identify.consistency import leave_one
-from models.identify.fit import Fit, Problem, Term
+from models.identify.fit import Problem
+from models.identify.hypothesis import Fit, Term
 from models.identify.residual import weights
 
 INFLATION = 20.0

@@ -10,11 +10,13 @@ import numpy.typing as npt
 
 from embedded_sim.model import FloatArray
 from models.causes import Motion
+from models.identify.choice import Choice, Evidence, Mimic
 from models.identify.feigned import believable, feigned
-from models.identify.fit import Problem, Term, Terms
+from models.identify.fit import Problem
+from models.identify.hypothesis import Term, Terms
 from models.identify.measure import strength
 from models.identify.screen import Glance, glance
-from models.identify.select import Choice, Evidence, Mimic, choose
+from models.identify.select import choose
 from models.identify.tracks import Tracks
 from models.identify.twins import tell_apart
 from models.identify.value import Value, bracket, values

@@ -14,7 +14,8 @@ import numpy as np
 from embedded_sim.model import FloatArray
 from models.causes import ALL, Motion, causes
 from models.causes.withheld import withheld
-from models.identify.fit import Fit, Problem, Term
+from models.identify.fit import Problem
+from models.identify.hypothesis import Fit, Term
 from models.identify.predict import wheel_angles
 from models.identify.residual import DEGREES
 from models.identify.tracks import AROUND, Tracks

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from embedded_sim.model import FloatArray
-from models.identify.fit import Problem, Term, Terms
+from models.identify.fit import Problem
+from models.identify.hypothesis import Term, Terms
 from models.identify.measure import strength, uncertainty
 from models.identify.residual import deviance
 

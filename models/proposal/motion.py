@@ -13,7 +13,8 @@ from models.causes import Motion, causes
 from models.causes.withheld import withheld
 from models.identify.candidates import own_starts
 from models.identify.diagnose import Examination
-from models.identify.fit import Fit, Problem, Term, Terms
+from models.identify.fit import Problem
+from models.identify.hypothesis import Fit, Term, Terms
 from models.identify.predict import poses, wheel_angles
 from models.identify.swarm import Named
 from models.identify.tracks import LEAST_ROWS, WINDOW, Tracks

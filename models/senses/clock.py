@@ -16,7 +16,7 @@ from embedded_sim.model import FloatArray
 from models.causes import Motion, causes
 from models.causes.withheld import withheld
 from models.diagnosis import Unexplained
-from models.identify.fit import Term
+from models.identify.hypothesis import Term
 from models.identify.swarm import Named
 from models.senses.predicted import predict
 from models.senses.problem import DEGREES, STRETCH, Problem, ridged

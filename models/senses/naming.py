@@ -10,8 +10,8 @@ from scipy import stats
 
 from embedded_sim.model import FloatArray
 from models.causes.cause import ALL
-from models.identify import fit as motion
-from models.identify.select import Evidence
+from models.identify import hypothesis as motion
+from models.identify.choice import Evidence
 from models.identify.swarm import Named
 from models.identify.value import Value
 from models.senses.cause import SenseCause

@@ -10,8 +10,8 @@ import pytest
 from embedded_sim import InputError
 from models.causes import causes
 from models.diagnosis import Diagnosis, Unexplained, as_json, extension
-from models.identify.fit import Term
-from models.identify.select import Evidence
+from models.identify.choice import Evidence
+from models.identify.hypothesis import Term
 from models.identify.swarm import Named
 from models.identify.value import Value
 from models.modelfile import find_model_file, load_models, read_model_file

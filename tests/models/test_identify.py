@@ -13,8 +13,9 @@ from embedded_sim import Drive, replay
 from models.causes import Motion, causes
 from models.diagnosis import Diagnosis, alternatives, as_json
 from models.identify.diagnose import diagnose
-from models.identify.fit import Problem, Term
+from models.identify.fit import Problem
 from models.identify.healthy import fit_inherent, fit_terms, make_reference
+from models.identify.hypothesis import Term
 from models.identify.inherent import INHERENT
 from models.identify.predict import poses, wheel_angles
 from models.identify.tracks import Tracks, cut_tracks

@@ -15,7 +15,8 @@ from models.catalogue import every_cause
 from models.causes import Motion, causes
 from models.diagnosis import alternatives
 from models.identify.diagnose import diagnose
-from models.identify.fit import Fit, Problem, Term
+from models.identify.fit import Problem
+from models.identify.hypothesis import Fit, Term
 from models.log import make_log
 from models.modelfile import read_model_file
 from models.proposal import motion

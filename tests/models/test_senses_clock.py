@@ -8,8 +8,8 @@ import pytest
 from models.causes import ALL, causes
 from models.causes.withheld import without
 from models.diagnosis import Unexplained
-from models.identify.fit import Term
-from models.identify.select import Evidence
+from models.identify.choice import Evidence
+from models.identify.hypothesis import Term
 from models.identify.swarm import Named
 from models.identify.value import Value
 from models.log import make_log

@@ -1,0 +1,57 @@
+"""What a selection leaves: terms chosen, what speaks for each, and terms that only mimic."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from embedded_sim.model import FloatArray
+from models.identify.consistency import Misfit
+from models.identify.fit import Problem
+from models.identify.hypothesis import Fit, Term
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Evidence:
+    """One term of the chosen set, with what speaks for it."""
+
+    term: Term
+    coordinates: FloatArray
+    """(p,)."""
+    covariance: FloatArray
+    """(p, p)."""
+    gain: float
+    """Held-out deviance that the set loses without it."""
+    share: float
+    """That gain relative to the deviance without it."""
+    p_value: float
+    """Of a healthy robot showing as much, normal tails."""
+    distance: float
+    """Standard deviations from the healthy value."""
+    rivals: tuple[Term, ...] = ()
+    """Terms that could stand in its place."""
+    gains: tuple[tuple[str, float], ...] = ()
+    """Held-out deviance that every term fitted at its turn took off, best first."""
+
+
+class Mimic(NamedTuple):
+    """A term that helps, and where it does not fit."""
+
+    evidence: Evidence
+    misfit: Misfit
+    gain: float
+    """Held-out deviance of one robot."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Choice:
+    """What was chosen for a group of robots."""
+
+    problem: Problem
+    named: tuple[Evidence, ...]
+    fit: Fit
+    """With every term kept, named or not."""
+    before: Fit
+    """Without any term."""
+    mimics: tuple[Mimic, ...] = ()
+    """Terms that help and do not fit: they mimic something that is not in the catalogue."""
