@@ -43,6 +43,10 @@ class Parameter:
     """Standard error of what the point model's term is worth in the physical unit, relative to the
     coordinate: a rigid body on a floor is not exactly a point on two wheels."""
 
+    elsewhere: float = 0.0
+    """Standard deviation of the coordinate that sound robots get which move otherwise than those of
+    a reference, such as robots that circle because they are half blind. For the gate alone."""
+
     @property
     def zero(self) -> float:
         """Null that coordinates count from."""

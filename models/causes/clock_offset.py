@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from embedded_sim.model import FloatArray
 from models.causes.cause import Cause, Parameter
+from models.causes.command_latency import ELSEWHERE
 from models.causes.motion import Motion
 
 
@@ -24,6 +25,7 @@ CAUSE = Cause(
             low=-1.0,
             high=1.0,
             step=1e-3,
+            elsewhere=ELSEWHERE,
         ),
     ),
     change=_change,

@@ -8,6 +8,9 @@ from embedded_sim.model import FloatArray
 from models.causes.cause import Cause, Parameter
 from models.causes.motion import Motion
 
+ELSEWHERE = 5e-4
+"""s, measured in sound robots that circle, as are the other causes'."""
+
 
 def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
     latency = max(0.0, motion.drive.latency + float(values[0]))
@@ -34,6 +37,7 @@ CAUSE = Cause(
             low=-0.1,
             high=1.0,
             step=1e-3,
+            elsewhere=ELSEWHERE,
         ),
     ),
     change=_change,

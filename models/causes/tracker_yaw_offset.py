@@ -8,6 +8,9 @@ from embedded_sim.model import FloatArray
 from models.causes.cause import Cause, Parameter
 from models.causes.motion import Motion
 
+ELSEWHERE = 3e-3
+"""rad, as of `command_latency`."""
+
 
 def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
     return replace(motion, yaw_offset=motion.yaw_offset + float(values[0]))
@@ -17,7 +20,16 @@ CAUSE = Cause(
     name="tracker_yaw_offset",
     meaning="the tracker's markers are mounted rotated about the vertical",
     parameters=(
-        Parameter(name="angle", unit="rad", null=0.0, low=-3.2, high=3.2, step=2e-3, doubt=0.03),
+        Parameter(
+            name="angle",
+            unit="rad",
+            null=0.0,
+            low=-3.2,
+            high=3.2,
+            step=2e-3,
+            doubt=0.03,
+            elsewhere=ELSEWHERE,
+        ),
     ),
     change=_change,
     confusable_with=("wheel_radius_mismatch", "ir_rotation"),

@@ -1,8 +1,12 @@
-"""What a cause whose term is rough makes a robot seem to have of other causes.
+"""What makes a robot seem to have causes that it does not have.
 
-Wheels that slip are no exact limit of acceleration, nor is a weak motor: what the term leaves is
-fitted best by a little latency, lag or another axle, which nobody has. How much, is measured once
-(`Cause.feigns`) and counts as uncertainty of the weaker cause.
+A cause whose term is rough: wheels that slip are no exact limit of acceleration, nor is a weak
+motor; what the term leaves is fitted best by a little latency, lag or another axle. How much, is
+measured once (`Cause.feigns`) and counts as uncertainty of a weaker cause.
+
+And health: sound robots differ in everything a little. Where a robot's motion hardly tells two
+causes apart, as a turned marker from a displaced one in circles, a little of the one looks like
+much of the other. How much, follows from the log and the healthy spread of all causes.
 """
 
 from __future__ import annotations
@@ -11,11 +15,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from embedded_sim.model import FloatArray
 from models.causes import Cause
+from models.identify.candidates import candidates
 from models.identify.choice import Choice, Evidence, Mimic
-from models.identify.fit import Problem
-from models.identify.hypothesis import Term
+from models.identify.fit import Problem, ridged
+from models.identify.hypothesis import Fit, Term
 from models.identify.measure import distance
+from models.identify.residual import weights
 from models.identify.twins import Twins
 from models.reference import Reference
 
@@ -44,17 +51,49 @@ def believable(
         reference: Whose gates say how far health reaches.
     """
 
+    if not choice.named and not choice.mimics:
+        return (), ()
+    healthy = _of_health(problem, choice.fit, reference)
+
     def stands(one: Evidence) -> bool:
+        if not _linear(one.term):
+            return True
         of = twins.get(one.term, Twins(one.term, choice.fit, ()))
         extra = feigned(of, [twins[o.term] for o in choice.named if o.gain > one.gain])
-        sure = extra == 0.0 or not one.term.cause.smooth
-        return sure or _far(problem, one, extra, reference)
+        return _far(problem, one, np.hypot(healthy[choice.fit.part(one.term)], extra), reference)
 
     named = tuple(one for one in choice.named if stands(one))
     return named, tuple(mimic for mimic in choice.mimics if stands(mimic.evidence))
 
 
-def _far(problem: Problem, one: Evidence, extra: float, reference: Reference) -> bool:
+def _linear(term: Term) -> bool:
+    """Whether small values of a cause make small changes."""
+    return term.cause.smooth and all(np.isfinite(p.null) for p in term.cause.parameters)
+
+
+def _of_health(problem: Problem, kept: Fit, reference: Reference) -> FloatArray:
+    """(p,) standard deviations of a fit's coordinates that healthy differences in everything that
+    is not in it would feign."""
+    swarm = len(problem.tracks.robots) > 1
+    names = {term.cause.name for term in kept.terms}
+    changes = []
+    for other in candidates():
+        if other.cause.name in names or not _linear(other):
+            continue
+        terms = (*kept.terms, other)
+        size = len(other.cause.parameters)
+        here = np.hstack([kept.coordinates, np.zeros((1, size))])
+        column = problem.jacobian(terms, here, kept.residual)[:, :, -size:]
+        _, sd = reference.spread(other.key, size, swarm=swarm)
+        changes.append(column * np.hypot(sd, [p.elsewhere for p in other.cause.parameters]))
+    own = problem.jacobian(kept.terms, kept.coordinates, kept.residual)
+    pulled = own * weights(kept.residual, problem.row_scale)[:, :, None]
+    curvature = ridged(np.einsum("ncp,ncq->pq", pulled, own)[None])[0]
+    slope = np.einsum("ncp,ncq->pq", pulled, np.dstack(changes))
+    return np.asarray(np.sqrt((np.linalg.solve(curvature, slope) ** 2).sum(axis=1)))
+
+
+def _far(problem: Problem, one: Evidence, extra: FloatArray, reference: Reference) -> bool:
     """Whether a cause's distance from health passes its gate with so much more uncertainty."""
     swarm = len(problem.tracks.robots) > 1
     mean, sd = reference.spread(one.term.key, len(one.coordinates), swarm=swarm)

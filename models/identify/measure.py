@@ -79,7 +79,8 @@ def distance(
     p = coordinates.shape[1]
     diagonal = np.sqrt(np.maximum(np.einsum("gpp->gp", covariance), 1e-300))
     related = covariance / (diagonal[:, :, None] * diagonal[:, None, :])
-    total = related * error[:, :, None] * error[:, None, :] + np.eye(p) * sd**2
+    wide = np.hypot(sd, [one.elsewhere for one in term.cause.parameters])
+    total = related * error[:, :, None] * error[:, None, :] + np.eye(p) * wide**2
     total = total + np.eye(p) * 1e-18
     square = np.einsum("gp,gp->g", away, np.linalg.solve(total, away[:, :, None])[:, :, 0])
     return np.asarray(np.sqrt(np.maximum(square - (p - 1), 0.0)))

@@ -77,9 +77,10 @@ def dead_light(sight: Sight, expected: FloatArray, model: PointModel) -> Bools:
             seen = free[:, s]
             lit = seen & (told[:, s] > LIT)
             blocks = len(np.unique(sight.block[rows][lit]))
+            if not seen.any() or np.nanquantile(below[:, s], 0.99) >= 0.5 * LIT:
+                continue  # it has seen light
             if lit.sum() >= LEAST_LIT and blocks >= LEAST_BLOCKS:
-                never = np.nanquantile(below[:, s], 0.99) < 0.5 * LIT
-                dead[k, s] = never and np.median(below[lit, s] / told[lit, s]) < DARK_SHARE
+                dead[k, s] = np.median(below[lit, s] / told[lit, s]) < DARK_SHARE
             else:
                 unlit = free & (told < UNLIT)
                 others = np.delete(np.arange(SENSORS), s)

@@ -6,16 +6,30 @@ from typing import NamedTuple
 
 import numpy as np
 
+from embedded_sim import SENSORS
 from embedded_sim.model import FloatArray
 from models.causes.withheld import withheld
 from models.senses.causes import sense_causes
-from models.senses.problem import FOLDS, STRETCH, SWARM, Column, Fit, Problem, Term, ridged
+from models.senses.problem import (
+    DEGREES,
+    FOLDS,
+    STRETCH,
+    SWARM,
+    Column,
+    Fit,
+    Problem,
+    Term,
+    ridged,
+)
+from models.senses.sight import too_near
 
 FITTED = ("ps", "ls", "both")
 SCOUTS = 3
 """Robots whose readings choose among leaps; all of them judge the chosen one."""
 ASTRAY = 2.0
 """Mean error of light, in noise, from which leaps are tried; a sound robot's is about 0.8."""
+ROUGHLY = 0.5
+"""Of the light that a leap expects, error that it may have: leaps lie a tenth of a metre apart."""
 NO_COMMANDS: FloatArray = np.zeros((0, 2))
 
 
@@ -44,7 +58,6 @@ def promises(
         if not _visible(problem, cause.kind):
             continue
         taken = {(t.cause.name, t.robot) for t in kept.terms}
-        named = {name for name, robot in taken if robot == SWARM}
         for variant in cause.variants:
             term = Term(cause, variant)
             starts = cause.starts(NO_COMMANDS) or [np.zeros(term.size)]
@@ -65,30 +78,48 @@ def promises(
                     one = _step(problem, kept, mine, pulled, columns)
                     if robot not in best or one.gain > best[robot].gain:
                         best[robot] = one
-            leap = _leap(problem, kept, term) if swarm and term.cause.name not in named else None
-            if leap is not None and (SWARM not in best or leap.gain > best[SWARM].gain):
-                best[SWARM] = leap
             found += best.values()
     return sorted(found, key=lambda one: -one.gain)
 
 
-def _leap(problem: Problem, kept: Fit, term: Term) -> Promise | None:
-    """The best of a cause's leaps as it is, for the swarm; None where it has none, or where the
-    light is read so nearly as expected that a step from the null finds whatever there is."""
-    leaps = term.cause.leaps()
-    if not leaps or not _astray(problem, kept):
+def far_leap(problem: Problem, kept: Fit) -> tuple[Term, FloatArray] | None:
+    """The leap that takes off most, as a term and its coordinates; None where light is read so
+    nearly as expected that a step from the null finds whatever there is, or none takes off much."""
+    if not _astray(problem, kept):
         return None
-    whole = (*kept.terms, term)
-    scouts = np.unique(np.linspace(0, len(problem.sight.robots) - 1, SCOUTS, dtype=int)).tolist()
-    starts = [np.concatenate([kept.coordinates, leap]) for leap in leaps]
-    scouted = [
-        float(problem.deviance(problem.residual(whole, start, scouts)).sum()) for start in starts
-    ]
-    chosen = int(np.argmin(scouted))
-    held = problem.deviance(problem.residual(whole, starts[chosen]))
-    steps = np.array([p.step for p in term.cause.parameters])
-    gain = float((kept.held_out - held).sum())
-    return Promise(term, gain, leaps[chosen], starts[chosen], steps)
+    best, most = None, 0.0
+    for cause in sense_causes().values():
+        taken = any(t.cause.name == cause.name for t in kept.terms)
+        if withheld(cause.name) or taken:
+            continue
+        for leap in cause.leaps():
+            gain = _scouted(problem, kept, Term(cause), leap)
+            if gain > most:
+                best, most = (Term(cause), leap), gain
+    return best
+
+
+def _scouted(problem: Problem, kept: Fit, term: Term, leap: FloatArray) -> float:
+    """How much better a leap roughly tells what a few robots read, but for those near its lamp."""
+    robots = len(problem.sight.robots)
+    scouts = np.unique(np.linspace(0, robots - 1, SCOUTS, dtype=int)).tolist()
+    terms, start = (*kept.terms, term), np.concatenate([kept.coordinates, leap])
+    after = problem.residual(terms, start, scouts)
+    use = problem.use & np.isin(problem.sight.robot, scouts)[:, None]
+    for mine, lamp in problem.elsewhere(problem.beliefs(terms, start)):
+        use[mine & too_near(problem.sight.poses, lamp), SENSORS:] = False
+    before, now = _rough(problem, kept.residual)[use], _rough(problem, after)[use]
+    return float(np.log1p(before**2 / DEGREES).sum() - np.log1p(now**2 / DEGREES).sum())
+
+
+def _rough(problem: Problem, residual: FloatArray) -> FloatArray:
+    """(rows, 16) errors, of light in units of what a lamp that is a little off may do as well."""
+    tables = problem.model.tables
+    assert tables is not None
+    error = residual[:, SENSORS:] * problem.noise[:, SENSORS:]
+    light = tables.ls_dark - (problem.sight.read[:, SENSORS:] - error)
+    wide = np.hypot(problem.noise[:, SENSORS:], ROUGHLY * light)
+    return np.hstack([residual[:, :SENSORS], error / wide])
 
 
 def _astray(problem: Problem, kept: Fit) -> bool:

@@ -19,7 +19,7 @@ from embedded_sim.model import FloatArray
 from models.causes.cause import ALL
 from models.senses.cause import Belief, SenseCause
 from models.senses.predicted import noise, predict
-from models.senses.sight import Sight
+from models.senses.sight import NEAREST_LAMP, Bools, Sight, too_near
 
 FOLDS = 5
 DEGREES = 4.0
@@ -105,13 +105,30 @@ class Problem:
 
     def judge_anew(self, fit: Fit) -> None:
         """Take the noise from what a fit predicts, for most of infrared's is relative, and leave
-        out light readings that another robot may shade from a lamp that the fit has found."""
+        out light readings that its lamps are too near for, or that another robot may shade."""
         beliefs = self.beliefs(fit.terms, fit.coordinates)
-        for x, y in {b.senses.second_lamp[:2] for b in beliefs if b.senses.second_lamp}:
-            shaded = self.sight.neighbours.before_lamp(self.sight.poses, (x, y), self.model)
-            self.use[:, SENSORS:] &= ~shaded
+        self.leave_out(beliefs)
         counts = predict(self.sight, self.model, beliefs)
         self.noise = noise(self.sight, self.model, beliefs, counts)
+
+    def leave_out(self, beliefs: Sequence[Belief]) -> None:
+        """Leave out light readings that say nothing of lamps elsewhere than in the model."""
+        for mine, lamp in self.elsewhere(beliefs):
+            poses = self.sight.poses[mine]
+            shaded = self.sight.neighbours.only(mine).before_lamp(poses, lamp, self.model)
+            self.use[mine, SENSORS:] &= ~(too_near(poses, lamp)[:, None] | shaded)
+
+    def elsewhere(self, beliefs: Sequence[Belief]) -> list[tuple[Bools, tuple[float, float]]]:
+        """Lamps believed to stand elsewhere than in the model, and (rows,) when they are lit."""
+        found = []
+        for x, y in {b.senses.second_lamp[:2] for b in beliefs if b.senses.second_lamp}:
+            found.append((np.ones(len(self.sight.time), dtype=np.bool_), (x, y)))
+        for dx, dy in {b.senses.lamp_shift for b in beliefs}:
+            for index, lamp in enumerate(self.model.lamps):
+                mine = self.sight.scenario == index
+                if lamp is not None and np.hypot(dx, dy) > NEAREST_LAMP and mine.any():
+                    found.append((mine, (lamp[0] + dx, lamp[1] + dy)))
+        return found
 
     def beliefs(self, terms: Terms, coordinates: FloatArray) -> list[Belief]:
         """Each robot's belief with the terms."""

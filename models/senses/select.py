@@ -14,13 +14,15 @@ import numpy as np
 from scipy import stats
 
 from embedded_sim.model import FloatArray
-from models.senses.glance import Promise, promises
+from models.senses.glance import Promise, far_leap, promises
 from models.senses.leftover import Left, leftovers
 from models.senses.problem import SWARM, Fit, Problem, Term
 from models.senses.reference import SenseReference, away
 from models.senses.structure import Structure
 
 MOST_TERMS = 8
+MOST_LEAPS = 6
+"""Fits of a lamp that stands far from where it should."""
 MOST_FITS = 4
 """Terms fitted at one turn."""
 SERIOUS = 0.3
@@ -67,12 +69,16 @@ class Found:
 def choose(problem: Problem, reference: SenseReference) -> tuple[list[Found], Fit]:
     """The terms that the readings need, and the fit with all of them."""
     kept = problem.fit((), np.zeros(0))
+    leapt = _leapt(problem, kept)
+    if leapt:
+        kept = problem.fit((), np.zeros(0))
     flexible = leftovers(problem, Structure(problem, kept), reference)
     closed: list[Left] = []
     tried: dict[Term, dict[Term, float]] = {}
     while len(kept.terms) < MOST_TERMS:
         taken = {t: tried[t][t] for t in kept.terms}
         fits = _one_more(problem, kept, reference, closed, taken)
+        fits |= {t: f for t, f in leapt.items() if not kept.terms}
         if not fits:
             break
         gains = {t: float((kept.held_out - f.held_out).sum()) for t, f in fits.items()}
@@ -90,6 +96,22 @@ def choose(problem: Problem, reference: SenseReference) -> tuple[list[Found], Fi
     found = [_evidence(problem, kept, t, reference, tried.get(t, {})) for t in kept.terms]
     passed = [one for one in found if one is not None]
     return [one for one in passed if not _mends(one, passed)], kept
+
+
+def _leapt(problem: Problem, kept: Fit) -> dict[Term, Fit]:
+    """The lamp that stands somewhere else altogether, if light says so, fitted from where it was
+    first seen; readings that say nothing of it are left out from then on."""
+    leap = far_leap(problem, kept)
+    if leap is None:
+        return {}
+    term, where = leap
+    for _ in range(MOST_LEAPS):  # the nearer it is, the better is known which readings tell of it
+        problem.leave_out(problem.beliefs((term,), where))
+        fit = problem.fit((term,), where)
+        moved, where = np.abs(fit.coordinates - where), fit.coordinates
+        if (moved <= [p.step for p in term.cause.parameters]).all():
+            break
+    return {term: fit}
 
 
 def _better(

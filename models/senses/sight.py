@@ -204,8 +204,13 @@ def lamp_in_sight(
         mine = scenario == index
         if lamp is None or not mine.any():
             continue
-        x, y = lamp
-        near = np.hypot(poses[mine, 0] - x, poses[mine, 1] - y) < NEAREST_LAMP
+        near = too_near(poses[mine], lamp)
         shaded = neighbours.only(mine).before_lamp(poses[mine], lamp, model)
         free[mine] &= ~(near[:, None] | shaded)
     return free
+
+
+def too_near(poses: FloatArray, lamp: tuple[float, float]) -> Bools:
+    """(rows,) too near a lamp for the captured table."""
+    x, y = lamp
+    return np.asarray(np.hypot(poses[:, 0] - x, poses[:, 1] - y) < NEAREST_LAMP)

@@ -4,9 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from embedded_sim.model import FloatArray
 from models.causes.cause import Parameter
 from models.senses.cause import LS, Belief, SenseCause
+
+FAR = 1.3
+"""m that a lamp is looked for from where it should stand: across the arena."""
+APART = 0.13
+"""m between the places tried."""
+
+
+def _leaps() -> list[FloatArray]:
+    steps = np.arange(-FAR, FAR + 0.5 * APART, APART)
+    return [np.array([x, y]) for x in steps for y in steps if np.hypot(x, y) > 1.5 * APART]
 
 
 def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
@@ -28,4 +40,5 @@ CAUSE = SenseCause(
     columns=(*LS, "case"),
     confusable_with=("second_lamp",),
     experiment="tour",
+    leaps=_leaps,
 )
