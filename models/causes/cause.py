@@ -44,8 +44,8 @@ class Parameter:
     coordinate: a rigid body on a floor is not exactly a point on two wheels."""
 
     elsewhere: float = 0.0
-    """Standard deviation of the coordinate that sound robots get which move otherwise than those of
-    a reference, such as robots that circle because they are half blind. For the gate alone."""
+    """Standard deviation of the coordinate that sound robots get elsewhere than in a reference's
+    runs, such as robots that circle because they are half blind. For the gate alone."""
 
     @property
     def zero(self) -> float:

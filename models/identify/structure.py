@@ -18,7 +18,7 @@ from models.causes import Motion
 from models.identify.fit import Problem
 from models.identify.predict import poses, wheel_angles
 from models.identify.residual import weights
-from models.identify.tracks import Tracks
+from models.identify.tracks import TURNED, Tracks
 
 CHANNELS = {
     "speed": "it drives faster or slower",
@@ -164,7 +164,10 @@ def _quantities(tracks: Tracks, motions: Sequence[Motion]) -> dict[tuple[str, st
     about = {name: tracks.about[:, k] for k, name in enumerate(tracks.columns)}
     heading, x, y = about["heading"], about["x"], about["y"]
     bearing = np.arctan2(y, x)
-    angle = wheel_angles(tracks, motions)
+    if set(TURNED) <= set(about):
+        left, right = (about[name] for name in TURNED)
+    else:
+        left, right = wheel_angles(tracks, motions).T
     speed, turn = about["speed"], about["turn"]
     changed = np.append(-1, np.flatnonzero(about["change"] > 0.0))
     last = changed[np.searchsorted(changed, np.arange(len(tracks.t)), side="right") - 1]
@@ -183,10 +186,10 @@ def _quantities(tracks: Tracks, motions: Sequence[Motion]) -> dict[tuple[str, st
         ("speed_squared", ""): speed**2,
         ("turning", ""): np.abs(turn),
         ("turn_side", ""): np.sign(turn),
-        ("left_wheel_angle", " sin"): np.sin(angle[:, 0]),
-        ("left_wheel_angle", " cos"): np.cos(angle[:, 0]),
-        ("right_wheel_angle", " sin"): np.sin(angle[:, 1]),
-        ("right_wheel_angle", " cos"): np.cos(angle[:, 1]),
+        ("left_wheel_angle", " sin"): np.sin(left),
+        ("left_wheel_angle", " cos"): np.cos(left),
+        ("right_wheel_angle", " sin"): np.sin(right),
+        ("right_wheel_angle", " cos"): np.cos(right),
         ("neighbour", ""): np.exp(-about["near_robot"].clip(0.0) / NEAR),
         ("change", ""): np.exp(-np.maximum(since, 0.0) / RECENT),
         ("start", ""): np.exp(-tracks.since_start / STARTED),

@@ -41,6 +41,9 @@ AROUND = 2.0
 """s before and after the windows used of a long log whose rows are kept: what a robot was told then
 may still show in its windows, for it may be late, or its clock early."""
 
+TURNED = ("left_turned", "right_turned")
+"""Columns of `about` where there are encoders: rad each wheel has turned in its segment."""
+
 Rows = npt.NDArray[np.int64]
 
 
@@ -184,6 +187,7 @@ def cut_tracks(log: MeasuredLog, model: ModelFile, *, window: float = WINDOW) ->
     encoders = None
     if set(ENCODERS) <= set(frame.columns):
         encoders = frame[list(ENCODERS)].to_numpy(dtype=np.float64)[order]
+    turned = [] if encoders is None else [_turned(t, encoders, start)]
     tracks = Tracks(
         robots=tuple(int(r) for r in robots),
         t=t,
@@ -194,11 +198,19 @@ def cut_tracks(log: MeasuredLog, model: ModelFile, *, window: float = WINDOW) ->
         rows=rows,
         first=first,
         measured=log.poses[order][rows],
-        about=table.to_numpy(dtype=np.float64)[order],
-        columns=tuple(table.columns),
+        about=np.hstack([table.to_numpy(dtype=np.float64)[order], *turned]),
+        columns=(*table.columns, *(TURNED if turned else ())),
         noise=noise,
     )
     return tracks.needed() if thinned else tracks
+
+
+def _turned(t: FloatArray, encoders: FloatArray, start: Rows) -> FloatArray:
+    """(rows, 2) rad by the encoders, which give the mean speed since the row before."""
+    took = np.diff(t, prepend=t[:1])
+    took[start[:-1]] = 0.0
+    total = np.cumsum(np.nan_to_num(encoders) * took[:, None], axis=0)
+    return np.asarray(total - np.repeat(total[start[:-1]], np.diff(start), axis=0))
 
 
 def _windows(

@@ -176,9 +176,15 @@ def _one_more(
 def _hopeful(promise: Promise, reference: SenseReference) -> bool:
     swarm = promise.term.robot == SWARM
     gain, far = reference.gates(promise.term.key, swarm=swarm)
-    mean, sd = reference.spread(promise.term.key, promise.term.size, swarm=swarm)
+    mean, sd = _health(promise.term, reference)
     distance = away(promise.coordinates, promise.error, mean, sd)
     return promise.gain > NEARLY * gain and distance > NEARLY * far
+
+
+def _health(term: Term, reference: SenseReference) -> tuple[FloatArray, FloatArray]:
+    """(p,) mean and standard deviation that sound robots or swarms get, also elsewhere."""
+    mean, sd = reference.spread(term.key, term.size, swarm=term.robot == SWARM)
+    return mean, np.hypot(sd, [p.elsewhere for p in term.cause.parameters])
 
 
 def _beyond(fit: Fit, term: Term, gain: float, reference: SenseReference) -> bool:
@@ -190,7 +196,7 @@ def _beyond(fit: Fit, term: Term, gain: float, reference: SenseReference) -> boo
 def _distance(fit: Fit, term: Term, reference: SenseReference) -> float:
     part = fit.part(term)
     error = np.sqrt(np.diag(fit.covariance)[part])
-    mean, sd = reference.spread(term.key, term.size, swarm=term.robot == SWARM)
+    mean, sd = _health(term, reference)
     value, sizes = fit.coordinates[part].copy(), error.copy()
     for k, parameter in enumerate(term.cause.parameters):
         # where the last number is a strength, the others only say of what

@@ -8,6 +8,10 @@ from embedded_sim.model import FloatArray
 from models.causes.cause import Parameter
 from models.senses.cause import PS, Belief, SenseCause
 
+ELSEWHERE = 0.15
+"""counts that a wall of another albedo or a turned ring makes of noise cut off at zero: a quarter
+and a half were seen."""
+
 
 def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
     offset = tuple(one + float(values[0]) for one in belief.senses.ps_offset)
@@ -18,7 +22,15 @@ CAUSE = SenseCause(
     name="ir_offset",
     meaning="infrared in the room adds to every infrared reading",
     parameters=(
-        Parameter(name="counts", unit="counts", null=0.0, low=-100.0, high=4095.0, step=0.5),
+        Parameter(
+            name="counts",
+            unit="counts",
+            null=0.0,
+            low=-100.0,
+            high=4095.0,
+            step=0.5,
+            elsewhere=ELSEWHERE,
+        ),
     ),
     sense=_sense,
     kind="ps",

@@ -8,6 +8,9 @@ from embedded_sim.model import FloatArray
 from models.causes.cause import Parameter
 from models.senses.cause import PS, Belief, SenseCause
 
+ELSEWHERE = 2e-3
+"""rad that robots seem turned by whose lamp stands a few centimetres higher, or that circle."""
+
 
 def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
     senses = replace(belief.senses, rotation=belief.senses.rotation + float(values[0]))
@@ -17,7 +20,17 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="ir_rotation",
     meaning="the ring of infrared and light sensors is turned on the body",
-    parameters=(Parameter(name="angle", unit="rad", null=0.0, low=-3.1, high=3.1, step=0.01),),
+    parameters=(
+        Parameter(
+            name="angle",
+            unit="rad",
+            null=0.0,
+            low=-3.1,
+            high=3.1,
+            step=0.01,
+            elsewhere=ELSEWHERE,
+        ),
+    ),
     sense=_sense,
     kind="both",
     columns=PS,
