@@ -38,7 +38,8 @@ class Mimic(NamedTuple):
     """A term that helps, and where it does not fit."""
 
     evidence: Evidence
-    misfit: Misfit
+    misfit: Misfit | None
+    """None where a measured quantity tells more."""
     gain: float
     """Held-out deviance of one robot."""
 

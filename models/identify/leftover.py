@@ -6,8 +6,8 @@ import numpy as np
 
 from embedded_sim.model import FloatArray
 from models.diagnosis import Unexplained
-from models.identify.choice import Mimic
-from models.identify.consistency import PARTS
+from models.identify.choice import Evidence
+from models.identify.consistency import PARTS, Misfit
 from models.identify.fit import Problem
 from models.identify.structure import CHANNELS, QUANTITIES, Follow, pool
 from models.identify.swarm import Identified
@@ -55,7 +55,11 @@ def leftover(
             result.append(_said(usable[best], (robot,), far[best, k], float(gain[best, k]), tracks))
         elif k in identified.mimics:
             worst = max(identified.mimics[k], key=lambda mimic: mimic.gain)
-            result.append(_mimicked(worst, robot, tracks))
+            result.append(
+                _said(usable[best], (robot,), far[best, k], float(gain[best, k]), tracks)
+                if worst.misfit is None
+                else _mimicked(worst.evidence, worst.misfit, robot)
+            )
     return tuple(result)
 
 
@@ -72,9 +76,8 @@ def _set_aside(found: Wild, robot: int) -> Unexplained:
     )
 
 
-def _mimicked(mimic: Mimic, robot: int, tracks: Tracks) -> Unexplained:
+def _mimicked(evidence: Evidence, found: Misfit, robot: int) -> Unexplained:
     """What half looks like a cause, where no measured quantity says it better."""
-    evidence, found = mimic.evidence, mimic.misfit
     return Unexplained(
         channel=found.channel,
         share=evidence.share,

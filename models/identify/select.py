@@ -20,6 +20,7 @@ from models.identify.consistency import misfit
 from models.identify.fit import Problem
 from models.identify.hypothesis import Fit, Term
 from models.identify.measure import distance, jump
+from models.identify.plain import follows_better
 from models.identify.screen import glance
 from models.identify.separable import inseparable
 from models.identify.value import bracket
@@ -139,10 +140,14 @@ class _Search:
         Beside what only mimics something unknown, a weaker term may mend what the mimic leaves.
         """
         mimics = []
+        robots = len(self.problem.tracks.robots)
         for one in strong:
             found = misfit(self.problem, kept, one.term)
-            if found is not None:
-                mimics.append(Mimic(one, found, one.gain / len(self.problem.tracks.robots)))
+            without = self.without(kept, one.term)
+            if found is not None or (
+                robots == 1 and follows_better(self.problem, kept, without, one.gain)
+            ):
+                mimics.append(Mimic(one, found, one.gain / robots))
         poor = [mimic.evidence.term for mimic in mimics]
         unknown = max((mimic.evidence.gain for mimic in mimics), default=0.0)
         return [

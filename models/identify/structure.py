@@ -25,6 +25,7 @@ CHANNELS = {
     "bend": "its path bends",
     "turn_rate": "it turns faster or slower",
     "aside": "it slides sideways",
+    "wheels": "each of its wheels turns faster or slower",
 }
 """What may follow a quantity, in words."""
 
@@ -37,6 +38,7 @@ QUANTITIES = {
     "time": "how long the log has lasted",
     "speed": "how fast it is told to drive",
     "speed_squared": "the square of the commanded speed",
+    "wheel_speed": "how fast that wheel is told to turn",
     "turning": "how fast it is told to turn",
     "turn_side": "to which side it is told to turn",
     "left_wheel_angle": "the angle of its left wheel",
@@ -50,6 +52,10 @@ QUANTITIES = {
 }
 """What it may follow, in words."""
 
+BODY = ("speed", "bend", "turn_rate", "aside")
+"""Channels that may follow any quantity."""
+OF_WHEELS = ("wheels", "wheel_speed", "")
+"""The channel in which each wheel follows a quantity of its own, with that and its part."""
 PERIODIC = (" sin", " cos")
 """Parts of a quantity that is an angle."""
 NEAR = 0.1
@@ -93,11 +99,14 @@ def follows(tracks: Tracks, motions: Sequence[Motion]) -> list[Follow]:
         q = _standardised(problem, values[tracks.rows])
         if q is None:
             continue
-        for channel in CHANNELS:
+        for channel in BODY:
             change = step.change(channel, q)
             column = problem.fitter.derivative(predicted[:, :2], change, predicted[:, 2])
             size, error, gain = _least_squares(problem, column, errors, w)
             found.append(Follow(channel, quantity, part, size, error, gain))
+    change = step.of_wheels(_wheel_speeds(problem), _axles(tracks, motions))
+    column = problem.fitter.derivative(predicted[:, :2], change, predicted[:, 2])
+    found.append(Follow(*OF_WHEELS, *_least_squares(problem, column, errors, w)))
     return found
 
 
@@ -111,12 +120,15 @@ def columns(tracks: Tracks, motions: Sequence[Motion], wanted: str) -> list[Floa
     predicted = poses(tracks, motions)
     step = _Steps(tracks, predicted)
     found = []
+    if wanted == OF_WHEELS[1]:
+        change = step.of_wheels(_wheel_speeds(problem), _axles(tracks, motions))
+        return [problem.fitter.derivative(predicted[:, :2], change, predicted[:, 2])]
     for (quantity, part), values in _quantities(tracks, motions).items():
         if quantity != wanted:
             continue
         q = values[tracks.rows] if part in PERIODIC else _standardised(problem, values[tracks.rows])
         if q is not None:
-            changes = [step.change(channel, q) for channel in CHANNELS]
+            changes = [step.change(channel, q) for channel in BODY]
             found += [
                 problem.fitter.derivative(predicted[:, :2], change, predicted[:, 2])
                 for change in changes
@@ -147,6 +159,21 @@ class _Steps:
             turn = q * np.abs(self._ahead) / 0.1  # rad per 100 mm driven
         else:
             turn = q * self._turn
+        return self._carried(ahead, aside, turn)
+
+    def of_wheels(self, q: FloatArray, axle: FloatArray) -> FloatArray:
+        """(n, 3) change of the predicted poses per unit of each wheel's following its own q.
+
+        Args:
+            q: (n, 2).
+            axle: (n,) m.
+        """
+        half = 0.5 * axle * self._turn
+        left, right = q[:, 0] * (self._ahead - half), q[:, 1] * (self._ahead + half)
+        return self._carried(0.5 * (left + right), np.zeros(len(half)), (right - left) / axle)
+
+    def _carried(self, ahead: FloatArray, aside: FloatArray, turn: FloatArray) -> FloatArray:
+        """(n, 3) change of the poses from changes of each row's step."""
         swing = self._sum(turn)
         across = aside + self._ahead * swing
         x = self._sum(self._cos * ahead - self._sin * across)
@@ -200,6 +227,24 @@ def _quantities(tracks: Tracks, motions: Sequence[Motion]) -> dict[tuple[str, st
         if name in about:
             values[name, ""] = about[name]
     return {key: np.nan_to_num(v) for key, v in values.items()}
+
+
+def _wheel_speeds(problem: Problem) -> FloatArray:
+    """(n, 2) how fast each wheel is told to turn; per robot mean 0 and standard deviation 1."""
+    tracks = problem.tracks
+    speed = np.abs(tracks.commands[tracks.rows])
+    robot = tracks.robot[tracks.window]
+    both, twice = speed.T.ravel(), np.tile(robot, 2)
+    count = np.maximum(np.bincount(twice, minlength=problem.count), 1)
+    mean = np.bincount(twice, both, problem.count) / count
+    square = np.bincount(twice, (both - mean[twice]) ** 2, problem.count) / count
+    return np.asarray((speed - mean[robot, None]) / np.sqrt(np.maximum(square, 1e-9))[robot, None])
+
+
+def _axles(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
+    """(n,) m."""
+    axle = np.array([motion.drive.axle for motion in motions])
+    return np.asarray(axle[tracks.robot[tracks.window]])
 
 
 def _standardised(problem: Problem, q: FloatArray) -> FloatArray | None:

@@ -162,7 +162,7 @@ FOLLOWS: Mapping[str, str] = {
     "eccentric_wheel": "left_wheel_angle right_wheel_angle",
     "carpet": "place",
     "shy_robots": "neighbour",
-    "speed_loss": "speed speed_squared",
+    "speed_loss": "speed speed_squared wheel_speed",
     "lens": "place radius radial",
     "low_sun": "heading",
     "flicker": "time",

@@ -1,0 +1,60 @@
+"""Whether something plain does better than a cause: a measured quantity that the motion follows.
+
+A cause named in a robot must tell more than the flexible terms of any one quantity in its place.
+What loses speed in step with speed itself is half described by a limit; the quantity tells it all.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from embedded_sim.model import FloatArray
+from models.identify.consistency import solved
+from models.identify.fit import Problem
+from models.identify.hypothesis import Fit
+from models.identify.residual import weights
+from models.identify.structure import QUANTITIES, columns
+
+PRICE = 4.0
+"""Deviance that each flexible term must take off: twice what one without a meaning does."""
+MARGIN = 12.0
+"""Deviance by which a quantity must do better; the least that any term must gain."""
+LEFT = 0.25
+"""Of a cause's gain, most that it may still take off beside the quantity: what has nothing to do
+with the cause, as what every robot of a kind shows, leaves it all of its gain. Our choice."""
+STEPS = 3
+"""Of a robust fit of linear terms."""
+
+
+def follows_better(problem: Problem, kept: Fit, without: Fit, gain: float) -> bool:
+    """Whether a quantity does better than a cause and leaves it little, other causes giving way.
+
+    Args:
+        problem: Of one robot.
+        kept: All terms, fitted.
+        without: All terms but the cause, fitted.
+        gain: Held-out deviance that the cause takes off.
+    """
+    motions = problem.motions(without.terms, without.coordinates)
+    others = problem.jacobian(without.terms, without.coordinates, without.residual)
+    cause = (kept.residual - without.residual)[:, :, None]
+    for quantity in QUANTITIES:
+        flexible = columns(problem.tracks, motions, quantity)
+        if not flexible:
+            continue
+        beside = np.dstack([*flexible, others])
+        taken = _taken_off(problem, without, beside)
+        if taken < gain + PRICE * len(flexible) + MARGIN:
+            continue
+        if _taken_off(problem, without, np.dstack([beside, cause])) - taken < LEFT * gain:
+            return True
+    return False
+
+
+def _taken_off(problem: Problem, fit: Fit, changes: FloatArray) -> float:
+    """Deviance that linear terms take off a fit's errors."""
+    left = fit.residual
+    for _ in range(STEPS):
+        step, _ = solved(problem, changes, left, weights(left, problem.row_scale))
+        left = left + changes @ step
+    return float((problem.losses(fit.residual) - problem.losses(left)).sum())
