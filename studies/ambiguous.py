@@ -12,9 +12,7 @@ import json
 import shutil
 import tempfile
 from collections.abc import Callable, Mapping
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +25,7 @@ from models.diagnosis import as_json
 from models.schema import ENCODERS, LS, PS
 from studies.diagnosis_files import examine
 from studies.diagnosis_request import Request
+from studies.execution import processes
 from studies.experiment import RunConfig, simulate
 
 Hide = Callable[[np.random.Generator], str]
@@ -207,7 +206,7 @@ def main() -> None:
         for name in asked.only or PAIRS
     ]
     rows: list[dict[str, Any]] = []
-    with ProcessPoolExecutor(asked.jobs, mp_context=get_context("spawn")) as pool:
+    with processes(asked.jobs) as pool:
         for row in pool.map(_numbered, tasks):
             rows.append(row)
             typer.echo(json.dumps(row))

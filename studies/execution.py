@@ -97,7 +97,7 @@ class Workers:
                 yield opened
             return
         jobs = max(1, min(self.jobs, tasks))
-        with _processes(jobs) as executor:
+        with processes(jobs) as executor:
             yield executor, jobs
 
 
@@ -177,8 +177,11 @@ def _text(error: Exception) -> str:
 
 
 @contextmanager
-def _processes(jobs: int) -> Iterator[ProcessPoolExecutor]:
-    """Fresh interpreters: a fork would share the physics engine's and other libraries' state."""
+def processes(jobs: int) -> Iterator[ProcessPoolExecutor]:
+    """So many workers, which die with their parent.
+
+    They are fresh interpreters: a fork would share the physics engine's and other libraries' state.
+    """
     others = {child.pid for child in multiprocessing.active_children()}
     pool = ProcessPoolExecutor(
         jobs, mp_context=multiprocessing.get_context("spawn"), initializer=_tie_to_parent

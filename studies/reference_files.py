@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +18,7 @@ from models.log import read_log
 from models.modelfile import read_model_file
 from models.reference import Reference, write_reference
 from models.senses.reference import beside, write_sense_reference
-from studies.execution import Workers
+from studies.execution import Workers, processes
 from studies.output import check_free, whole_file
 from studies.sense_reference_files import sense_reference_of
 
@@ -88,7 +86,7 @@ def write_reference_of(
 
     with (
         tempfile.TemporaryDirectory(prefix="realitygap-") as room,
-        ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool,
+        processes(jobs) as pool,
     ):
         kinds = MANOEUVRES if request.manoeuvres else KINDS
         tasks = [(k, kinds[k % len(kinds)], request.seed, Path(room)) for k in range(request.runs)]
