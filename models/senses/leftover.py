@@ -20,6 +20,9 @@ LEAST_SWARM = 3
 LEAST_GAIN = 30.0
 """Squared error, in noise, that a leftover takes off; our choice: the healthy ones of a robot and
 log reach 33 among four hundred terms."""
+LEAST_SHARE = 0.002
+"""Of the squared error that it must be, our choice: in a whole swarm's log a fiftieth of a per cent
+can be surely there, of what the captured tables get wrong, and is worth nobody's time."""
 ALIKE = 5.0
 """Standard deviations within which robots share a swarm's value."""
 SIMILAR = 0.7
@@ -130,6 +133,8 @@ def _best(
     What follows a quantity may have a mean as well: each quantity is fitted beside a constant, and
     must take off clearly more than the constant alone.
     """
+    if not passed:
+        return None
     promised: dict[str, dict[str, float]] = {}
     for one in passed:
         mine = promised.setdefault(one.follow.quantity, {})
@@ -145,7 +150,8 @@ def _best(
         mean = [constant[change]] if group not in constants and change in constant else []
         gain, size = structure.taken_off([*parts, *mean], robot)
         tried.append((gain, strongest, size[: len(parts)]))
-    tried = [one for one in tried if one[0] > LEAST_GAIN]
+    least = max(LEAST_GAIN, LEAST_SHARE * _readings(problem, found[0].channel, robot))
+    tried = [one for one in tried if one[0] > least]
     if not tried:
         return None
     plain = [one for one in tried if one[1].follow.quantity == ALWAYS]
@@ -162,8 +168,7 @@ def _said(
 ) -> Left:
     """One leftover in words."""
     sight = problem.sight
-    rows = slice(0, None) if robot is None else sight.rows_of(robot)
-    number = float(problem.use[rows, KINDS[one.channel]].sum())
+    number = _readings(problem, one.channel, robot)
     robots = "all" if robot is None else (sight.robots[robot],)
     said = Unexplained(
         channel=one.channel,
@@ -174,6 +179,12 @@ def _said(
         distance=far,
     )
     return Left(said, one, gain)
+
+
+def _readings(problem: Problem, channel: str, robot: int | None) -> float:
+    """How many readings of a channel are judged, of one robot or of all."""
+    rows = slice(0, None) if robot is None else problem.sight.rows_of(robot)
+    return float(problem.use[rows, KINDS[channel]].sum())
 
 
 def _where(one: Follow, size: float) -> str:
