@@ -132,7 +132,7 @@ def _food(axes: Axes, story: Story) -> None:
     low, high = min(story.bars.values()), max(story.bars.values())
     axes.axhspan(low, high, color=SOUND, alpha=0.3, zorder=0)
     axes.annotate(
-        "fixed controllers, from worst to best", (0.5, high), xytext=(0, 4), ha="center",
+        "fixed controllers, from worst to best", (-0.55, high), xytext=(0, 4), ha="left",
         textcoords="offset points", fontsize=8, color="0.35",
     )  # fmt: skip
     for at, (runs, colour) in enumerate(zip(values, (WRONG, RIGHT), strict=True)):
