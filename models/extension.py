@@ -48,7 +48,8 @@ class ParameterValue(Table):
         name, value = parameter.name, self.value
         within = parameter.low <= value <= parameter.high  # false for NaN
         if not within and value != parameter.null:
-            expected = f"a number from {parameter.low:g} to {parameter.high:g} {parameter.unit}"
+            unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+            expected = f"a number from {parameter.low:g} to {parameter.high:g}{unit}"
             if math.isinf(parameter.null):
                 expected += f", or {parameter.null:g}, which changes nothing"
             raise Refused(name, f"{value:g}", expected)

@@ -21,6 +21,7 @@ from models.modelfile import ModelFile, find_model_file, read_model_file
 from models.proposal.propose import with_proposal
 from models.reference import Reference, read_reference, shipped_reference
 from models.repertoire import manoeuvres
+from models.schema import BODY_COMMANDS, WHEEL_COMMANDS
 from models.senses.joined import WholeExamination, with_senses
 from models.senses.reference import (
     SenseReference,
@@ -105,12 +106,22 @@ def read_logs(paths: Sequence[Path], model: ModelFile) -> MeasuredLog:
         InputError: as `models.log.read_log`.
     """
     tables = [read_table(path) for path in paths]
+    first = _commands(tables[0])
+    for path, table in zip(paths, tables, strict=True):
+        if _commands(table) != first:
+            given = " and ".join(_commands(table)) or "no commands"
+            raise InputError(str(path), given, f"{' and '.join(first)}, as in {paths[0]}")
     if len(tables) > 1:
         for k, table in enumerate(tables):
             run = table["run"].astype(str) if "run" in table else "run"
             tables[k] = table.assign(run=f"{k + 1}/" + run)
     nominal = model.nominal_drive
     return make_log(pd.concat(tables, ignore_index=True), drive=nominal)
+
+
+def _commands(table: pd.DataFrame) -> tuple[str, ...]:
+    """Which pair of commands a log has."""
+    return tuple(name for name in (*WHEEL_COMMANDS, *BODY_COMMANDS) if name in table)
 
 
 def write_extended(model: ModelFile, source: Path, named: Extension, out: Path) -> None:

@@ -25,20 +25,26 @@ MENU = (
 def commands(proposal: Proposal, request: Request, log: MeasuredLog) -> tuple[str, ...]:
     """What a user types: perform the manoeuvre, then diagnose it together with the logs.
 
-    In the pybullet world; in a lab the robots are driven by the schedule of `embedded_sim.probes`.
+    A robot with a model of its own is not in the pybullet world: it drives the manoeuvre itself.
     """
+    name = proposal.probe.name
+    if request.model:
+        return (_together(request, f"out/{name}.parquet", name),)
     cases = log.frame["case"].dropna() if "case" in log.frame else pd.Series(dtype=object)
     case = "no-light" if proposal.probe.dark else None if cases.empty else cases.mode().iloc[0]
-    name = proposal.probe.name
     perform = ["realitygap run", f"--controller {PREFIX}{name}", f"--minutes {SECONDS / 60:g}"]
     perform += [f"--robots {log.frame['robot'].nunique()}"]
     perform += [f"--case {case}"] if case else []
     perform += [f"--out out/{name}"]
-    together = ["realitygap diagnose", *(str(path) for path in request.logs), f"out/{name}"]
-    together += [f"--model {request.model}"] if request.model else []
-    together += [f"--reference {request.reference}"] if request.reference else []
-    together += [f"--out out/{name}-diagnosis"]
-    return " ".join(perform), " ".join(together)
+    return " ".join(perform), _together(request, f"out/{name}", name)
+
+
+def _together(request: Request, log: str, name: str) -> str:
+    """The command that diagnoses a further log with the others."""
+    words = ["realitygap diagnose", *(str(path) for path in request.logs), log]
+    words += [f"--model {request.model}"] if request.model else []
+    words += [f"--reference {request.reference}"] if request.reference else []
+    return " ".join([*words, f"--out out/{name}-diagnosis"])
 
 
 def next_section(proposal: Proposal | None, following: Sequence[str], room: Path) -> list[Section]:
@@ -51,6 +57,11 @@ def next_section(proposal: Proposal | None, following: Sequence[str], room: Path
     ]
     if proposal.needs:
         texts.append(f"Log {' and '.join(proposal.needs)}: the poses say the same of both.")
+    if len(following) == 1:
+        texts.append(
+            "The robots drive it themselves, by the schedule of docs/next-experiment.md. Log it "
+            "with the same kind of commands, and diagnose both together:"
+        )
     texts += list(following)
     _draw(proposal, room / "menu.png")
     table = pd.DataFrame(

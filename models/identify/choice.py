@@ -34,12 +34,19 @@ class Evidence:
     """Held-out deviance that every term fitted at its turn took off, best first."""
 
 
+class Replaced(NamedTuple):
+    """What tells more than a term in its place."""
+
+    channel: str
+    quantity: str
+    """Of `models.identify.structure`."""
+
+
 class Mimic(NamedTuple):
-    """A term that helps, and where it does not fit."""
+    """A term that helps, and where it does not fit, or what fits better."""
 
     evidence: Evidence
-    misfit: Misfit | None
-    """None where a measured quantity tells more."""
+    misfit: Misfit | Replaced
     gain: float
     """Held-out deviance of one robot."""
 

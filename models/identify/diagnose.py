@@ -20,6 +20,9 @@ from models.log import MeasuredLog
 from models.modelfile import ModelFile
 from models.reference import Reference, no_reference
 
+FEW_SECONDS = 30.0
+"""s of free motion with which a robot can be judged at all; our choice, a quarter of what the
+blind battery's bars are stated for."""
 RESAMPLED = 400
 """Bootstrap samples of blocks for the gain's interval."""
 
@@ -93,6 +96,7 @@ def _not_checked(tracks: Tracks, reference: Reference | None) -> tuple[str, ...]
             "no healthy reference: what every robot of this kind does (slip, finite torque, "
             "latency) is named like a fault, and how much healthy robots differ is not known"
         )
+    said += _too_little(tracks)
     if tracks.encoders is None:
         pairs = sorted(
             {
@@ -111,6 +115,21 @@ def _not_checked(tracks: Tracks, reference: Reference | None) -> tuple[str, ...]
     )
     said += [f"{c.name}: {c.meaning}" for c in causes().values() if not c.identifiable]
     return tuple(said)
+
+
+def _too_little(tracks: Tracks) -> list[str]:
+    """Robots that moved too little to be called sound."""
+    told = np.any(tracks.commands[tracks.rows[tracks.first]] != 0.0, axis=1)
+    took = tracks.t[np.append(tracks.rows[tracks.first[1:] - 1], tracks.rows[-1])]
+    seconds = (took - tracks.t[tracks.rows[tracks.first]]) * told
+    moved = np.bincount(tracks.robot, seconds, len(tracks.robots))
+    few = ", ".join(str(r) for r, s in zip(tracks.robots, moved, strict=True) if s < FEW_SECONDS)
+    if not few:
+        return []
+    return [
+        f"motion of robots {few}: less than {FEW_SECONDS:g} s of free motion under a command, in "
+        "which only gross faults show"
+    ]
 
 
 def _gain(

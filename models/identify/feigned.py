@@ -2,7 +2,7 @@
 
 A cause whose term is rough: wheels that slip are no exact limit of acceleration, nor is a weak
 motor; what the term leaves is fitted best by a little latency, lag or another axle. How much, is
-measured once (`Cause.feigns`) and counts as uncertainty of a weaker cause.
+measured once (`Cause.feigns`): a weaker cause must stand out from it, and intervals hold it.
 
 And health: sound robots differ in everything a little. Where a robot's motion hardly tells two
 causes apart, as a turned marker from a displaced one in circles, a little of the one looks like

@@ -6,7 +6,7 @@ import numpy as np
 
 from embedded_sim.model import FloatArray
 from models.diagnosis import Unexplained
-from models.identify.choice import Evidence
+from models.identify.choice import Evidence, Replaced
 from models.identify.consistency import PARTS, Misfit
 from models.identify.fit import Problem
 from models.identify.structure import CHANNELS, QUANTITIES, Follow, pool
@@ -51,15 +51,14 @@ def leftover(
             result.append(_set_aside(aside, robot))
             continue
         best = int(np.argmax(far[:, k] / gates))
-        if far[best, k] > gates[best]:
+        mimics = identified.mimics.get(k, ())
+        worst = max(mimics, key=lambda mimic: mimic.gain, default=None)
+        if worst is not None and isinstance(worst.misfit, Replaced):
+            result.append(_replaced(worst.evidence, worst.misfit, robot))
+        elif far[best, k] > gates[best]:
             result.append(_said(usable[best], (robot,), far[best, k], float(gain[best, k]), tracks))
-        elif k in identified.mimics:
-            worst = max(identified.mimics[k], key=lambda mimic: mimic.gain)
-            result.append(
-                _said(usable[best], (robot,), far[best, k], float(gain[best, k]), tracks)
-                if worst.misfit is None
-                else _mimicked(worst.evidence, worst.misfit, robot)
-            )
+        elif worst is not None and isinstance(worst.misfit, Misfit):
+            result.append(_mimicked(worst.evidence, worst.misfit, robot))
     return tuple(result)
 
 
@@ -73,6 +72,18 @@ def _set_aside(found: Wild, robot: int) -> Unexplained:
         quantity=found.part,
         robots=(robot,),
         distance=found.more / max(found.error, 1e-3),
+    )
+
+
+def _replaced(evidence: Evidence, better: Replaced, robot: int) -> Unexplained:
+    """What a quantity tells better than a cause."""
+    return Unexplained(
+        channel=better.channel,
+        share=evidence.share,
+        where=f"{CHANNELS[better.channel]} depending on {QUANTITIES[better.quantity]}",
+        quantity=better.quantity,
+        robots=(robot,),
+        distance=evidence.distance,
     )
 
 

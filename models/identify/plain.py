@@ -9,11 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from embedded_sim.model import FloatArray
+from models.identify.choice import Replaced
 from models.identify.consistency import solved
 from models.identify.fit import Problem
 from models.identify.hypothesis import Fit
 from models.identify.residual import weights
-from models.identify.structure import QUANTITIES, columns
+from models.identify.structure import BODY, OF_WHEELS, QUANTITIES, columns
 
 PRICE = 4.0
 """Deviance that each flexible term must take off: twice what one without a meaning does."""
@@ -26,8 +27,8 @@ STEPS = 3
 """Of a robust fit of linear terms."""
 
 
-def follows_better(problem: Problem, kept: Fit, without: Fit, gain: float) -> bool:
-    """Whether a quantity does better than a cause and leaves it little, other causes giving way.
+def replaced(problem: Problem, kept: Fit, without: Fit, gain: float) -> Replaced | None:
+    """The quantity that does better than a cause and leaves it little, other causes giving way.
 
     Args:
         problem: Of one robot.
@@ -38,23 +39,27 @@ def follows_better(problem: Problem, kept: Fit, without: Fit, gain: float) -> bo
     motions = problem.motions(without.terms, without.coordinates)
     others = problem.jacobian(without.terms, without.coordinates, without.residual)
     cause = (kept.residual - without.residual)[:, :, None]
+    best, most = None, gain + MARGIN
     for quantity in QUANTITIES:
         flexible = columns(problem.tracks, motions, quantity)
         if not flexible:
             continue
         beside = np.dstack([*flexible, others])
-        taken = _taken_off(problem, without, beside)
-        if taken < gain + PRICE * len(flexible) + MARGIN:
+        taken, step = _taken_off(problem, without, beside)
+        if taken - PRICE * len(flexible) < most:
             continue
-        if _taken_off(problem, without, np.dstack([beside, cause])) - taken < LEFT * gain:
-            return True
-    return False
+        more, _ = _taken_off(problem, without, np.dstack([beside, cause]))
+        if more - taken < LEFT * gain:
+            size = [np.abs(c * u).sum() for c, u in zip(flexible, step, strict=False)]
+            channel = BODY[int(np.argmax(size)) % len(BODY)] if len(size) > 1 else OF_WHEELS[0]
+            best, most = Replaced(channel, quantity), taken - PRICE * len(flexible)
+    return best
 
 
-def _taken_off(problem: Problem, fit: Fit, changes: FloatArray) -> float:
-    """Deviance that linear terms take off a fit's errors."""
-    left = fit.residual
+def _taken_off(problem: Problem, fit: Fit, changes: FloatArray) -> tuple[float, FloatArray]:
+    """Deviance that linear terms take off a fit's errors, and their sizes."""
+    left, size = fit.residual, np.zeros(changes.shape[2])
     for _ in range(STEPS):
         step, _ = solved(problem, changes, left, weights(left, problem.row_scale))
-        left = left + changes @ step
-    return float((problem.losses(fit.residual) - problem.losses(left)).sum())
+        left, size = left + changes @ step, size + step
+    return float((problem.losses(fit.residual) - problem.losses(left)).sum()), size

@@ -15,12 +15,12 @@ from scipy import stats
 from embedded_sim import Diverged
 from embedded_sim.model import FloatArray
 from models.identify.candidates import starts
-from models.identify.choice import Choice, Evidence, Mimic
-from models.identify.consistency import misfit
+from models.identify.choice import Choice, Evidence, Mimic, Replaced
+from models.identify.consistency import Misfit, misfit
 from models.identify.fit import Problem
 from models.identify.hypothesis import Fit, Term
 from models.identify.measure import distance, jump
-from models.identify.plain import follows_better
+from models.identify.plain import replaced
 from models.identify.screen import glance
 from models.identify.separable import inseparable
 from models.identify.value import bracket
@@ -142,11 +142,11 @@ class _Search:
         mimics = []
         robots = len(self.problem.tracks.robots)
         for one in strong:
-            found = misfit(self.problem, kept, one.term)
-            without = self.without(kept, one.term)
-            if found is not None or (
-                robots == 1 and follows_better(self.problem, kept, without, one.gain)
-            ):
+            found: Misfit | Replaced | None = misfit(self.problem, kept, one.term)
+            if robots == 1:
+                without = self.without(kept, one.term)
+                found = replaced(self.problem, kept, without, one.gain) or found
+            if found is not None:
                 mimics.append(Mimic(one, found, one.gain / robots))
         poor = [mimic.evidence.term for mimic in mimics]
         unknown = max((mimic.evidence.gain for mimic in mimics), default=0.0)

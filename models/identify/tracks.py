@@ -34,7 +34,7 @@ ALL_WINDOWS = 3000
 """Windows used of a swarm, which is fitted as a whole: five minutes of ten robots. Our choice: it
 bounds what the diagnosis of a long log costs."""
 FEW_WINDOWS = 150
-"""Windows that each robot keeps, however many there are."""
+"""Windows that each robot keeps, even of a swarm so large that these are more than the former."""
 BLOCK_WINDOWS = 5
 """Windows held out or resampled together, one after the other in time."""
 AROUND = 2.0
@@ -185,7 +185,7 @@ def cut_tracks(log: MeasuredLog, model: ModelFile, *, window: float = WINDOW) ->
     noise = pose_noise(log, replay_log(log, model.point_model().drive))
     frame = log.frame
     encoders = None
-    if set(ENCODERS) <= set(frame.columns):
+    if set(ENCODERS) <= set(frame.columns) and frame[list(ENCODERS)].notna().any().all():
         encoders = frame[list(ENCODERS)].to_numpy(dtype=np.float64)[order]
     turned = [] if encoders is None else [_turned(t, encoders, start)]
     tracks = Tracks(

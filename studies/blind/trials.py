@@ -66,7 +66,10 @@ class BlindConfig(BaseModel):
     """Take the cause of each hidden effect out of the catalogue; every trial is one such."""
     crowd: Annotated[int, Field(ge=1)] = 1
     """Robots of a run that each have one effect; more give more trials from one diagnosis."""
-    seconds: Annotated[tuple[float, ...], Field(min_length=1)] = SECONDS
+    seconds: Annotated[
+        tuple[Annotated[float, Field(ge=1.0, le=86_400.0, allow_inf_nan=False)], ...],
+        Field(min_length=1),
+    ] = SECONDS
     """s of log, drawn evenly; the first at the bars."""
 
 
@@ -86,6 +89,12 @@ def blind_config(**values: Any) -> BlindConfig:
     if "swarm" in config.kinds and not any(MENU[name].swarm_bar for name in config.effects):
         able = ", ".join(name for name, entry in MENU.items() if entry.swarm_bar)
         raise InputError("--kind", "swarm", f"an effect among {able}")
+    if "pair" in config.kinds and len(config.effects) < 2:
+        raise InputError("--kind", "pair", "two effects or more to draw from")
+    if config.kinds and config.leave_one_out:
+        raise InputError("--kind", ", ".join(config.kinds), "nothing with --leave-one-out")
+    if config.crowd > config.robots:
+        raise InputError("--crowd", config.crowd, f"at most the {config.robots} robots of a run")
     return config
 
 

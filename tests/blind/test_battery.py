@@ -111,6 +111,21 @@ def test_kinds_that_cannot_be_are_refused() -> None:
         blind_config(effects=("motor_lag",), kinds=("pear",))
     with pytest.raises(InputError, match="--kind: got swarm, expected an effect among"):
         blind_config(effects=("motor_lag",), kinds=("swarm",))
+    with pytest.raises(InputError, match="--kind: got pair, expected two effects"):
+        blind_config(effects=("motor_lag",), kinds=("pair",))
+    with pytest.raises(InputError, match="--kind: got healthy, expected nothing with"):
+        blind_config(effects=("motor_lag",), kinds=("healthy",), leave_one_out=True)
+
+
+@pytest.mark.parametrize("seconds", [-5.0, 0.5, float("nan"), float("inf")])
+def test_lengths_that_no_log_has_are_refused(seconds: float) -> None:
+    with pytest.raises(InputError, match="--seconds: got"):
+        blind_config(effects=("motor_lag",), seconds=(seconds,))
+
+
+def test_a_crowd_fits_into_the_run() -> None:
+    with pytest.raises(InputError, match="--crowd: got 11, expected at most the 10 robots"):
+        blind_config(effects=("motor_lag",), crowd=11)
 
 
 def test_an_unknown_effect_is_refused_with_the_nearest() -> None:
