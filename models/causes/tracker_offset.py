@@ -43,6 +43,7 @@ CAUSE = Cause(
         ),
     ),
     change=_change,
+    geometric=True,
     confusable_with=("wheel_separation",),
     experiment="spins",
 )

@@ -32,6 +32,7 @@ CAUSE = Cause(
         ),
     ),
     change=_change,
+    geometric=True,
     confusable_with=("wheel_radius_mismatch", "ir_rotation"),
     experiment="straights",
 )

@@ -26,6 +26,7 @@ CAUSE = Cause(
         ),
     ),
     change=_change,
+    geometric=True,
     confusable_with=("tracker_yaw_offset", "wheel_separation"),
     experiment="straights",
 )

@@ -23,6 +23,7 @@ CAUSE = Cause(
         Parameter(name="scale", unit="1", null=1.0, low=0.3, high=3.0, step=1e-3, link="factor"),
     ),
     change=_change,
+    geometric=True,
     confusable_with=("speed_droop", "motor_saturation", "motor_dead_zone", "wheel_separation"),
     experiment="straights",
 )

@@ -29,6 +29,7 @@ CAUSE = Cause(
         ),
     ),
     change=_change,
+    geometric=True,
     confusable_with=("wheel_radius_scale", "wheel_radius_mismatch"),
     experiment="spins",
 )

@@ -1,6 +1,6 @@
 """Whether something plain does better than a cause: a measured quantity that the motion follows.
 
-A cause named in a robot must tell more than the flexible terms of any one quantity in its place.
+A cause named in a robot must tell more than one channel that follows any one quantity in its place.
 What loses speed in step with speed itself is half described by a limit; the quantity tells it all.
 """
 
@@ -39,27 +39,31 @@ def replaced(problem: Problem, kept: Fit, without: Fit, gain: float) -> Replaced
     motions = problem.motions(without.terms, without.coordinates)
     others = problem.jacobian(without.terms, without.coordinates, without.residual)
     cause = (kept.residual - without.residual)[:, :, None]
-    best, most = None, gain + MARGIN
+    own = _taken_off(problem, without, np.dstack([cause, others]))
+    best, most = None, max(gain, own) + MARGIN
     for quantity in QUANTITIES:
-        flexible = columns(problem.tracks, motions, quantity)
-        if not flexible:
-            continue
-        beside = np.dstack([*flexible, others])
-        taken, step = _taken_off(problem, without, beside)
-        if taken - PRICE * len(flexible) < most:
-            continue
-        more, _ = _taken_off(problem, without, np.dstack([beside, cause]))
-        if more - taken < LEFT * gain:
-            size = [np.abs(c * u).sum() for c, u in zip(flexible, step, strict=False)]
-            channel = BODY[int(np.argmax(size)) % len(BODY)] if len(size) > 1 else OF_WHEELS[0]
-            best, most = Replaced(channel, quantity), taken - PRICE * len(flexible)
+        for channel, flexible in _by_channel(columns(problem.tracks, motions, quantity)).items():
+            beside = np.dstack([*flexible, others])
+            taken = _taken_off(problem, without, beside)
+            if taken - PRICE * len(flexible) < most:
+                continue
+            more = _taken_off(problem, without, np.dstack([beside, cause]))
+            if more - taken < LEFT * gain:
+                best, most = Replaced(channel, quantity), taken - PRICE * len(flexible)
     return best
 
 
-def _taken_off(problem: Problem, fit: Fit, changes: FloatArray) -> tuple[float, FloatArray]:
-    """Deviance that linear terms take off a fit's errors, and their sizes."""
-    left, size = fit.residual, np.zeros(changes.shape[2])
+def _by_channel(flexible: list[FloatArray]) -> dict[str, list[FloatArray]]:
+    """One quantity's changes by channel: no more freedom than a cause has."""
+    if len(flexible) == 1:
+        return {OF_WHEELS[0]: flexible}
+    return {channel: flexible[k :: len(BODY)] for k, channel in enumerate(BODY) if flexible}
+
+
+def _taken_off(problem: Problem, fit: Fit, changes: FloatArray) -> float:
+    """Deviance that linear terms take off a fit's errors."""
+    left = fit.residual
     for _ in range(STEPS):
         step, _ = solved(problem, changes, left, weights(left, problem.row_scale))
-        left, size = left + changes @ step, size + step
-    return float((problem.losses(fit.residual) - problem.losses(left)).sum()), size
+        left = left + changes @ step
+    return float((problem.losses(fit.residual) - problem.losses(left)).sum())

@@ -143,7 +143,7 @@ class _Search:
         robots = len(self.problem.tracks.robots)
         for one in strong:
             found: Misfit | Replaced | None = misfit(self.problem, kept, one.term)
-            if robots == 1:
+            if robots == 1 and not one.term.cause.geometric:
                 without = self.without(kept, one.term)
                 found = replaced(self.problem, kept, without, one.gain) or found
             if found is not None:
