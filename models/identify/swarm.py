@@ -16,7 +16,7 @@ from models.identify.fit import Problem
 from models.identify.hypothesis import Term, Terms
 from models.identify.measure import strength
 from models.identify.screen import Glance, glance
-from models.identify.select import choose
+from models.identify.select import FAMILY, choose
 from models.identify.tracks import Tracks
 from models.identify.twins import tell_apart
 from models.identify.value import Value, bracket, values
@@ -96,7 +96,8 @@ def identify(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
         alone = Problem(tracks.only([k]), [explained[k]])
         choice = choose(alone, reference)
         new, motion, mimicked = _names(alone, choice, reference, swarm=False)
-        named += new
+        common = _each(named, tracks.robots[k])
+        named += [one for one in new if one.evidence.gain >= FAMILY * common]
         explained[k] = motion[0]
         mimics[k] = mimics.get(k, ()) + mimicked
         choices[k] = choice
@@ -109,6 +110,12 @@ def identify(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
         shared=shared,
         mimics={k: found for k, found in mimics.items() if found},
     )
+
+
+def _each(named: Sequence[Named], robot: int) -> float:
+    """Deviance that what a swarm shares takes off one of its robots."""
+    shared = [one for one in named if len(one.robots) > 1 and robot in one.robots]
+    return sum(one.evidence.gain / len(one.robots) for one in shared)
 
 
 def _swarm(
