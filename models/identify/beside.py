@@ -87,7 +87,8 @@ def _lasting(
     problem, kept = choice.problem, choice.fit
     change, others = leave_one(problem, kept, named.evidence.term)
     motions = problem.motions(kept.terms, kept.coordinates)
-    flexible = columns(problem.tracks, motions, quantity)
+    by_channel = columns(problem.tracks, motions, (quantity,))
+    flexible = [column for channel in by_channel.values() for column in channel]
     every = np.dstack([change, others, *flexible])
     step, covariance = solved(
         problem, every, kept.residual, weights(kept.residual, problem.row_scale)

@@ -50,7 +50,6 @@ def believable(
         twins: Of every term named in it.
         reference: Whose gates say how far health reaches.
     """
-
     if not choice.named and not choice.mimics:
         return (), ()
     healthy = _of_health(problem, choice.fit, reference)
@@ -83,9 +82,11 @@ def _of_health(problem: Problem, kept: Fit, reference: Reference) -> FloatArray:
         terms = (*kept.terms, other)
         size = len(other.cause.parameters)
         here = np.hstack([kept.coordinates, np.zeros((1, size))])
-        column = problem.jacobian(terms, here, kept.residual)[:, :, -size:]
+        column = problem.jacobian(terms, here, kept.residual, kept.coordinates.shape[1])
         _, sd = reference.spread(other.key, size, swarm=swarm)
         changes.append(column * np.hypot(sd, [p.elsewhere for p in other.cause.parameters]))
+    if not changes:
+        return np.zeros(kept.coordinates.shape[1])
     own = problem.jacobian(kept.terms, kept.coordinates, kept.residual)
     pulled = own * weights(kept.residual, problem.row_scale)[:, :, None]
     curvature = ridged(np.einsum("ncp,ncq->pq", pulled, own)[None])[0]

@@ -165,12 +165,16 @@ class Problem:
         self.scale = goal
         return here, self.by_group(self.losses(residual))
 
-    def jacobian(self, terms: Terms, here: FloatArray, residual: FloatArray) -> FloatArray:
-        """(n, 3, p) change of the errors per unit of each coordinate."""
+    def jacobian(
+        self, terms: Terms, here: FloatArray, residual: FloatArray, first: int = 0
+    ) -> FloatArray:
+        """(n, 3, p) change of the errors per unit of each coordinate from the `first` on."""
         steps = [p.step for term in terms for p in term.cause.parameters]
         smooth = [term.cause.smooth for term in terms for _ in term.cause.parameters]
         columns = []
         for k, (step, follows) in enumerate(zip(steps, smooth, strict=True)):
+            if k < first:
+                continue
             if not follows:
                 columns.append(np.zeros_like(residual))
                 continue

@@ -14,7 +14,7 @@ from models.identify.consistency import solved
 from models.identify.fit import Problem
 from models.identify.hypothesis import Fit
 from models.identify.residual import weights
-from models.identify.structure import BODY, OF_WHEELS, QUANTITIES, columns
+from models.identify.structure import columns
 
 PRICE = 4.0
 """Deviance that each flexible term must take off: twice what one without a meaning does."""
@@ -41,23 +41,15 @@ def replaced(problem: Problem, kept: Fit, without: Fit, gain: float) -> Replaced
     cause = (kept.residual - without.residual)[:, :, None]
     own = _taken_off(problem, without, np.dstack([cause, others]))
     best, most = None, max(gain, own) + MARGIN
-    for quantity in QUANTITIES:
-        for channel, flexible in _by_channel(columns(problem.tracks, motions, quantity)).items():
-            beside = np.dstack([*flexible, others])
-            taken = _taken_off(problem, without, beside)
-            if taken - PRICE * len(flexible) < most:
-                continue
-            more = _taken_off(problem, without, np.dstack([beside, cause]))
-            if more - taken < LEFT * gain:
-                best, most = Replaced(channel, quantity), taken - PRICE * len(flexible)
+    for (quantity, channel), flexible in columns(problem.tracks, motions).items():
+        beside = np.dstack([*flexible, others])
+        taken = _taken_off(problem, without, beside)
+        if taken - PRICE * len(flexible) < most:
+            continue
+        more = _taken_off(problem, without, np.dstack([beside, cause]))
+        if more - taken < LEFT * gain:
+            best, most = Replaced(channel, quantity), taken - PRICE * len(flexible)
     return best
-
-
-def _by_channel(flexible: list[FloatArray]) -> dict[str, list[FloatArray]]:
-    """One quantity's changes by channel: no more freedom than a cause has."""
-    if len(flexible) == 1:
-        return {OF_WHEELS[0]: flexible}
-    return {channel: flexible[k :: len(BODY)] for k, channel in enumerate(BODY) if flexible}
 
 
 def _taken_off(problem: Problem, fit: Fit, changes: FloatArray) -> float:

@@ -8,7 +8,7 @@ the named causes leave; its size is judged against what healthy robots show for 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -110,8 +110,10 @@ def follows(tracks: Tracks, motions: Sequence[Motion]) -> list[Follow]:
     return found
 
 
-def columns(tracks: Tracks, motions: Sequence[Motion], wanted: str) -> list[FloatArray]:
-    """(n, 3) changes of the errors per unit of each flexible term of one quantity.
+def columns(
+    tracks: Tracks, motions: Sequence[Motion], wanted: Container[str] = QUANTITIES
+) -> dict[tuple[str, str], list[FloatArray]]:
+    """By quantity and channel, (n, 3) changes of the errors per unit of each flexible term.
 
     Sines and cosines are about their own zero: what follows a direction has one, whichever way a
     robot happened to face most.
@@ -119,20 +121,22 @@ def columns(tracks: Tracks, motions: Sequence[Motion], wanted: str) -> list[Floa
     problem = Problem(tracks, motions)
     predicted = poses(tracks, motions)
     step = _Steps(tracks, predicted)
-    found = []
-    if wanted == OF_WHEELS[1]:
-        change = step.of_wheels(_wheel_speeds(problem), _axles(tracks, motions))
-        return [problem.fitter.derivative(predicted[:, :2], change, predicted[:, 2])]
+
+    def column(change: FloatArray) -> FloatArray:
+        return problem.fitter.derivative(predicted[:, :2], change, predicted[:, 2])
+
+    found: dict[tuple[str, str], list[FloatArray]] = {}
     for (quantity, part), values in _quantities(tracks, motions).items():
-        if quantity != wanted:
+        if quantity not in wanted:
             continue
         q = values[tracks.rows] if part in PERIODIC else _standardised(problem, values[tracks.rows])
         if q is not None:
-            changes = [step.change(channel, q) for channel in BODY]
-            found += [
-                problem.fitter.derivative(predicted[:, :2], change, predicted[:, 2])
-                for change in changes
-            ]
+            for channel in BODY:
+                found.setdefault((quantity, channel), []).append(column(step.change(channel, q)))
+    channel, quantity, _ = OF_WHEELS
+    if quantity in wanted:
+        change = step.of_wheels(_wheel_speeds(problem), _axles(tracks, motions))
+        found[quantity, channel] = [column(change)]
     return found
 
 
