@@ -59,16 +59,34 @@ def diagnose_files(
     named = extension(found, log_hash=_hash(request.logs), command=request.command)
     from studies.diagnosis_report import write_report
 
-    content = as_json(found)
-    following: tuple[str, ...] = ()
-    if found.proposal is not None:
-        following = commands(found.proposal, request, log)
-        content["next_experiment"]["commands"] = list(following)
+    content, following = _content(request, log, found)
     with whole_directory(out, force=force, holds=("diagnosis.json",)) as part:
         write_json(part / "diagnosis.json", content)
         write_extended(model, path, named, part)
         write_report(examined, part / "report.html", command=request.command, following=following)
     return found
+
+
+def content_of(request: Request) -> dict[str, Any]:
+    """What `diagnosis.json` would hold, and nothing written.
+
+    Raises:
+        InputError: as `examine`.
+    """
+    log, examined = examine(request)
+    return _content(request, log, examined.diagnosis)[0]
+
+
+def _content(
+    request: Request, log: MeasuredLog, found: Diagnosis
+) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Of `diagnosis.json`, and the commands that what it proposes takes."""
+    content = as_json(found)
+    following: tuple[str, ...] = ()
+    if found.proposal is not None:
+        following = commands(found.proposal, request, log)
+        content["next_experiment"]["commands"] = list(following)
+    return content, following
 
 
 def examine(

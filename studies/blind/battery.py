@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from studies.blind.directory import BlindDirectory
-from studies.blind.record import COMMAND, Task, run_trial
+from studies.blind.examiner import ask
+from studies.blind.record import Diagnosed, Task, run_trial
 from studies.blind.report import write_report
 from studies.blind.summary import summarise
 from studies.blind.trials import BlindConfig, plan
@@ -27,7 +28,7 @@ def run_battery(
     workers: Workers,
     *,
     quiet: bool = False,
-    command: tuple[str, ...] = COMMAND,
+    diagnosed: Diagnosed = ask,
 ) -> dict[str, Any]:
     """Run or resume a battery in `out`; returns the content of `blind.json`.
 
@@ -36,7 +37,7 @@ def run_battery(
         out: The battery's directory.
         workers: Where trials run; each records and has its log diagnosed.
         quiet: Say nothing.
-        command: What diagnoses a log, given its name and `--out`.
+        diagnosed: What diagnoses the log in a directory; importable.
 
     Raises:
         InputError: `out` cannot be used.
@@ -44,7 +45,7 @@ def run_battery(
         WorkersLost: workers keep dying.
     """
     with BlindDirectory(out, config, plan(config)).held() as directory:
-        _execute(directory, workers, quiet, command)
+        _execute(directory, workers, quiet, diagnosed)
         summary = summarise(directory)
         with whole_file(out / "blind.json", force=True) as part:
             write_json(part, summary)
@@ -53,10 +54,10 @@ def run_battery(
 
 
 def _execute(
-    directory: BlindDirectory, workers: Workers, quiet: bool, command: tuple[str, ...]
+    directory: BlindDirectory, workers: Workers, quiet: bool, diagnosed: Diagnosed
 ) -> None:
     """Do the trials that are missing."""
-    tasks = [Task(trial, command) for trial in directory.pending()]
+    tasks = [Task(trial, diagnosed) for trial in directory.pending()]
     if not tasks:
         return
     failures = []

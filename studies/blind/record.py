@@ -9,19 +9,20 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from studies.blind.examiner import LOG, THREADS, TIMEOUT, Answer, ask
 from studies.blind.trials import Trial
 from studies.blind.unlisted import UNLISTED
 from studies.experiment import simulate
 
-LOG = "samples.parquet"
 COMMAND = (sys.executable, "-c", "from studies.cli import main; main()", "diagnose")
 """`realitygap diagnose`, by this interpreter."""
-TIMEOUT = 900.0
-"""s for one diagnosis; our choice."""
+
+Diagnosed = Callable[[Path, tuple[str, ...]], Answer]
 
 
 @dataclass(frozen=True)
@@ -29,8 +30,8 @@ class Task:
     """A trial and who diagnoses it."""
 
     trial: Trial
-    command: tuple[str, ...] = COMMAND
-    """Called with the log's name and `--out`."""
+    diagnosed: Diagnosed = ask
+    """Called with the directory of the log and the causes to do without."""
 
 
 def run_trial(task: Task) -> dict[str, Any]:
@@ -45,7 +46,7 @@ def run_trial(task: Task) -> dict[str, Any]:
         began = time.perf_counter()
         record(task.trial, Path(scratch) / "run", given / LOG)
         recorded = time.perf_counter()
-        diagnosis, error = diagnose(given, task.command, task.trial.withheld)
+        diagnosis, error = task.diagnosed(given, task.trial.withheld)
         return {
             "diagnosis": diagnosis,
             "error": error,
@@ -63,22 +64,21 @@ def record(trial: Trial, run: Path, log: Path) -> None:
 
 
 def diagnose(
-    given: Path, command: tuple[str, ...], withheld: tuple[str, ...] = ()
-) -> tuple[dict[str, Any] | None, str | None]:
-    """Run a diagnosis of the log in a directory where nothing else is; one thread per library.
+    given: Path, withheld: tuple[str, ...] = (), *, command: tuple[str, ...] = COMMAND
+) -> Answer:
+    """As `ask`, with all files that `realitygap diagnose` writes, in `given / "diagnosis"`.
 
     Args:
         given: The directory.
-        command: What diagnoses.
         withheld: Causes that it must do without.
+        command: What diagnoses, called with the log's name and `--out`.
     """
     words = [word for name in withheld for word in ("--without", name)]
-    threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     try:
         done = subprocess.run(
             [*command, LOG, "--out", "diagnosis", *words],
             cwd=given,
-            env={**os.environ, **threads},
+            env={**os.environ, **THREADS},
             capture_output=True,
             text=True,
             timeout=TIMEOUT,

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from models.log import SAMPLES
 from studies.altered import MODEL, AlteredRun, Files, keep, read_files, run_altered
-from studies.blind.record import COMMAND, LOG, diagnose
+from studies.blind.examiner import LOG
+from studies.blind.record import diagnose
 from studies.blind.scoring import score
 from studies.blind.trials import Trial
 from studies.demo.hide import draw, run_seed, seal, unseal
@@ -144,7 +145,7 @@ def _name(story: Story, out: Path) -> None:
         samples = table(story.before[0], "samples")
         samples = samples[samples["t"] < 60.0 * story.size.log_minutes]
         samples.to_parquet(given / LOG, index=False)
-        story.diagnosis, error = diagnose(given, COMMAND)
+        story.diagnosis, error = diagnose(given)
         story.failure = error or ""
         if story.diagnosis is not None:
             shutil.copytree(given / "diagnosis", out / "diagnosis")

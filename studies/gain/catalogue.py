@@ -24,7 +24,7 @@ from models.modelfile import find_model_file, read_model_file
 from models.tables import load_tables
 from reality.effects import catalogue, parse_effects
 from studies.blind.menu import MENU
-from studies.blind.record import COMMAND, diagnose
+from studies.blind.record import diagnose
 from studies.blind.trials import Hidden
 from studies.execution import Workers, completed
 from studies.experiment import Case, RunConfig, simulate
@@ -133,7 +133,7 @@ def measure_group(group: Group) -> tuple[dict[str, Any], pd.DataFrame]:
         simulate(group.naming, group.specs, run)
         shutil.move(run / SAMPLES, given / SAMPLES)
         shutil.rmtree(run)
-        answer, error = diagnose(given, COMMAND)
+        answer, error = diagnose(given)
         if answer is None:
             raise RuntimeError(f"no diagnosis: {error}")
         file = read_model_file(given / "diagnosis" / "extended.toml")

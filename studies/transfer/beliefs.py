@@ -13,7 +13,8 @@ from embedded_sim.errors import InputError
 from models.modelfile import read_model_file
 from reality.effects import parse_effects
 from studies.altered import MODEL, Files, read_files
-from studies.blind.record import COMMAND, LOG, diagnose
+from studies.blind.examiner import LOG
+from studies.blind.record import COMMAND, diagnose
 from studies.experiment import RunConfig, simulate
 from studies.oracle import write_oracle
 from studies.output import whole_directory
@@ -45,7 +46,7 @@ def record_and_diagnose(task: Preparation) -> Files:
         simulate(task.config, task.alteration.effects, run)
         shutil.move(run / LOG, given / LOG)
         shutil.rmtree(run)
-        _, error = diagnose(given, task.command)
+        _, error = diagnose(given, command=task.command)
         if error is not None:
             raise RuntimeError(f"the diagnosis of {task.alteration.name}: {error}")
         return read_files(given / "diagnosis")

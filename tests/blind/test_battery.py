@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +17,13 @@ from reality.effects import catalogue, parse_effects
 from studies.blind.battery import run_battery
 from studies.blind.limits import detection_limit, share
 from studies.blind.menu import MENU
+from studies.blind.record import diagnose
 from studies.blind.scoring import Score, named, of_robots, outcome, score
 from studies.blind.trials import Hidden, Trial, blind_config, plan
 from studies.execution import Workers
 from studies.experiment import RunConfig
 
-STUB = (sys.executable, str(Path(__file__).with_name("stub.py")))
+STUB = partial(diagnose, command=(sys.executable, str(Path(__file__).with_name("stub.py"))))
 SMALL = {"effects": ("ls_dead_sensor", "command_latency"), "robots": 3, "seconds": (2.0,)}
 
 
@@ -230,7 +232,7 @@ def test_shares_carry_exact_intervals() -> None:
 def battery(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
     out = tmp_path_factory.mktemp("blind") / "battery"
     config = blind_config(trials=7, seed=2, **SMALL)
-    return out, run_battery(config, out, Workers(1), quiet=True, command=STUB)
+    return out, run_battery(config, out, Workers(1), quiet=True, diagnosed=STUB)
 
 
 def test_a_battery_scores_what_a_process_with_the_log_alone_answered(
@@ -271,24 +273,25 @@ def test_a_resumed_battery_repeats_nothing_and_may_grow(
     out, summary = battery
     before = {path: path.stat().st_mtime_ns for path in (out / "trials").iterdir()}
     grown = blind_config(trials=8, seed=2, **SMALL)
-    again = run_battery(grown, out, Workers(1), quiet=True, command=STUB)
+    again = run_battery(grown, out, Workers(1), quiet=True, diagnosed=STUB)
     assert {path: path.stat().st_mtime_ns for path in before} == before
     assert again["trials"] == 8
     fewer = blind_config(trials=7, seed=2, **SMALL)
-    assert run_battery(fewer, out, Workers(1), quiet=True, command=STUB) == summary
+    assert run_battery(fewer, out, Workers(1), quiet=True, diagnosed=STUB) == summary
 
 
 def test_another_seed_is_refused_in_the_same_directory(
     battery: tuple[Path, dict[str, Any]],
 ) -> None:
     with pytest.raises(InputError, match="seed 2 there, 3 now"):
-        run_battery(blind_config(trials=7, seed=3, **SMALL), battery[0], Workers(1), command=STUB)
+        run_battery(blind_config(trials=7, seed=3, **SMALL), battery[0], Workers(1), diagnosed=STUB)
 
 
 def test_a_diagnosis_that_fails_is_a_result_and_not_the_end(tmp_path: Path) -> None:
     command = (sys.executable, "-c", "import sys; sys.exit('out of ideas')")
     config = blind_config(trials=2, seed=2, **SMALL)
-    summary = run_battery(config, tmp_path / "b", Workers(1), quiet=True, command=command)
+    failing = partial(diagnose, command=command)
+    summary = run_battery(config, tmp_path / "b", Workers(1), quiet=True, diagnosed=failing)
     assert summary["failed"] == [
         "00000: exit code 1: out of ideas",
         "00001: exit code 1: out of ideas",
@@ -322,7 +325,7 @@ def test_words_that_cannot_be_used_are_refused_before_anything_is_written(
 def test_a_directory_with_other_things_in_it_is_refused(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").touch()
     with pytest.raises(InputError, match="new or empty directory"):
-        run_battery(blind_config(trials=1, **SMALL), tmp_path, Workers(1), command=STUB)
+        run_battery(blind_config(trials=1, **SMALL), tmp_path, Workers(1), diagnosed=STUB)
 
 
 def test_a_crowd_gives_each_robot_an_effect_and_each_effect_its_own_score(tmp_path: Path) -> None:
@@ -339,7 +342,7 @@ def test_a_crowd_gives_each_robot_an_effect_and_each_effect_its_own_score(tmp_pa
         "ls_dead_sensor",
         "ls_dead_sensor",
     ]
-    summary = run_battery(grown, tmp_path / "b", Workers(1), quiet=True, command=STUB)
+    summary = run_battery(grown, tmp_path / "b", Workers(1), quiet=True, diagnosed=STUB)
     assert summary["confusion"]["ls_dead_sensor"] == {"ls_dead_sensor": 3}
     assert summary["confusion"]["motor_lag"] == {"nothing_wrong": 1}
     assert summary["wrong_names"]["hits"] == 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -17,13 +18,14 @@ from models.senses.unnamed import SEEN
 from studies.blind.battery import run_battery
 from studies.blind.left_out import FOLLOWS, quantity_right
 from studies.blind.menu import MENU
+from studies.blind.record import diagnose
 from studies.blind.trials import Hidden, Trial, blind_config, plan
 from studies.cli import app
 from studies.execution import Workers
 from studies.experiment import RunConfig
 from tests.blind.test_naming import told
 
-STUB = (sys.executable, str(Path(__file__).with_name("stub.py")))
+STUB = partial(diagnose, command=(sys.executable, str(Path(__file__).with_name("stub.py"))))
 
 
 def test_every_effect_is_left_out_by_turns_clearly_above_its_bar() -> None:
@@ -70,7 +72,7 @@ def test_a_battery_withholds_the_cause_and_scores_what_is_said_instead(tmp_path:
         seconds=(2.0,),
         leave_one_out=True,
     )
-    summary = run_battery(config, tmp_path / "out", Workers(1), quiet=True, command=STUB)
+    summary = run_battery(config, tmp_path / "out", Workers(1), quiet=True, diagnosed=STUB)
     found = summary["leave_one_out"]
     assert summary["failed"] == []
     assert summary["wrong_names"]["trials"] == 0

@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 from reality.effects import catalogue
+from studies.blind.examiner import LOG, ask
 from studies.blind.menu import MENU
-from studies.blind.record import COMMAND, LOG, diagnose, record
+from studies.blind.record import record
 from studies.blind.scoring import Score, named, score
 from studies.blind.trials import Hidden, Trial
 from studies.experiment import RunConfig
@@ -39,7 +40,7 @@ def told(
         given = Path(scratch) / "given"
         given.mkdir()
         record(trial, Path(scratch) / "run", given / LOG)
-        answer, error = diagnose(given, COMMAND, withheld)
+        answer, error = ask(given, withheld)
     assert answer is not None, error
     return trial, answer
 
