@@ -27,6 +27,9 @@ CHANGES = {"share": "by a share of what they read", "counts": "by counts"}
 
 LEAST = 200
 """Readings of a robot, at least, that a term is looked for in."""
+FEW_BLOCKS = 3.0
+"""Blocks' worth of readings below which nobody can say how a term scatters from one to the next: a
+robot that stood under the lamp has read light for a moment only. Our choice."""
 ITERATIONS = 5
 """Of a robust fit of a few linear terms; five leave less than a hundredth of its gain."""
 TINY = 1e-9
@@ -190,6 +193,8 @@ class _Channel:
             total = float(curved.sum())
             if total < 1e-3 * float(bend[mine].sum()) or total < TINY:
                 continue  # what was fitted can do the same
+            if total**2 < FEW_BLOCKS * float((curved**2).sum()):
+                continue
             size[k] = -left.sum() / total
             meat = float(((left + curved * size[k]) ** 2).sum())
             error[k] = STRETCH * np.sqrt(max(meat, total)) / total
