@@ -12,18 +12,15 @@ from dataclasses import replace
 import numpy as np
 from scipy import stats
 
-from embedded_sim import Diverged
 from embedded_sim.model import FloatArray
-from models.identify.candidates import starts
 from models.identify.choice import Choice, Evidence, Mimic, Replaced
 from models.identify.consistency import Misfit, misfit
 from models.identify.fit import Problem
 from models.identify.hypothesis import Fit, Term
 from models.identify.measure import distance, jump
 from models.identify.plain import replaced
-from models.identify.screen import glance
 from models.identify.separable import inseparable
-from models.identify.value import bracket
+from models.identify.trials import Trials
 from models.reference import Reference
 
 MOST_TERMS = 4
@@ -32,12 +29,6 @@ MARGIN = 6.0
 """Held-out deviance by which a rival must be worse: odds of 20 to 1."""
 MARGIN_ERRORS = 3.0
 """Standard errors, over blocks, by which a rival must be worse."""
-PROMISING = 0.5
-"""Of the least gain that one linear step must promise for a term to be fitted."""
-PROMISING_SHARE = 0.1
-"""Of the most promising term's, likewise: a step underrates what is far from linear."""
-MUCH = 200.0
-"""Promised deviance that always earns a fit."""
 FAMILY = 0.03
 """Of the whole set's gain that a term needs beside a stronger one of its family."""
 ANY = 0.01
@@ -93,17 +84,21 @@ class _Search:
 
     def __init__(self, problem: Problem, reference: Reference, swarm: bool) -> None:
         self.problem, self.reference, self.swarm = problem, reference, swarm
+        self.trials = Trials(problem)
         self.least_gain = reference.gates.gain
+        self._without: dict[tuple[Fit, Term], Fit] = {}
+        """At the present scale of the errors."""
 
     def forward(self, before: Fit) -> tuple[Fit, dict[Term, dict[Term, float]]]:
         """Add the best term until none helps; the gains of all terms at each one's turn."""
         kept = before
         tried: dict[Term, dict[Term, float]] = {}
         while len(kept.terms) < MOST_TERMS:
-            fits = self._one_more(kept)
+            fits = self.trials.one_more(kept, self.least_gain)
             if not fits:
                 break
-            self._rescale(kept, fits)
+            self.trials.rescale(kept, fits)
+            self._without.clear()
             gains = {t: float(self.problem.gain(kept, f).sum()) for t, f in fits.items()}
             best = max(gains, key=lambda t: gains[t])
             if gains[best] < self.least_gain:
@@ -209,54 +204,15 @@ class _Search:
 
     def without(self, kept: Fit, term: Term) -> Fit:
         """The set refitted without a term."""
-        terms = tuple(t for t in kept.terms if t != term)
-        rest = np.delete(kept.coordinates, np.r_[kept.part(term)], axis=1)
-        return self.problem.fit(terms, [rest])
+        if (kept, term) not in self._without:
+            terms = tuple(t for t in kept.terms if t != term)
+            rest = np.delete(kept.coordinates, np.r_[kept.part(term)], axis=1)
+            self._without[kept, term] = self.problem.fit(terms, [rest])
+        return self._without[kept, term]
 
     def gain_of(self, kept: Fit, term: Term) -> float:
         """Held-out deviance that a term takes off in the presence of the others."""
         return float(self.problem.gain(self.without(kept, term), kept).sum())
-
-    def _one_more(self, kept: Fit) -> dict[Term, Fit]:
-        """The set with each further term."""
-        names = {term.cause.name for term in kept.terms}
-        promised: dict[Term, float] = {}
-        for one in glance(self.problem, self.problem.motions(kept.terms, kept.coordinates)):
-            if one.term.cause.name not in names:
-                promised[one.term] = max(promised.get(one.term, 0.0), float(one.gain.sum()))
-        best = max(promised.values(), default=0.0)
-        least = max(PROMISING * self.least_gain, min(PROMISING_SHARE * best, MUCH))
-        fits = {}
-        for term, gain in promised.items():
-            if gain < least:
-                continue
-            fit = self._with(kept, term)
-            if fit is not None:
-                fits[term] = fit
-        return fits
-
-    def _with(self, kept: Fit, term: Term) -> Fit | None:
-        """The set with one more term, or None where it cannot be tried on this log."""
-        begin = starts(self.problem, term, kept.coordinates)
-        if not begin:
-            return None
-        terms = (*kept.terms, term)
-        try:
-            fit = self.problem.fit(terms, begin)
-            if term.cause.smooth:
-                return fit
-            at = fit.part(term).start
-            here = fit.coordinates.copy()
-            here[0, at] = bracket(self.problem, terms, here, at).best
-            return self.problem.fit(terms, [here])
-        except Diverged:
-            return None
-
-    def _rescale(self, kept: Fit, fits: dict[Term, Fit]) -> None:
-        """Judge all by the errors that the best leaves."""
-        problem = self.problem
-        best = max(fits.values(), key=lambda f: float(problem.gain(kept, f).sum()))
-        problem.scale = problem.spread(best.residual)
 
     def rivals(
         self, kept: Fit, term: Term, tried: dict[Term, float], nuisance: list[Term]
@@ -272,7 +228,7 @@ class _Search:
         for other, gain in tried.items():
             if other == term or other.cause.name in names or gain < RIVAL_SHARE * own:
                 continue
-            fit = self._with(without, other)
+            fit = self.trials.with_term(without, other)
             if (
                 fit is not None
                 and not self._worse(kept, fit, without)

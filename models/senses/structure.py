@@ -27,7 +27,7 @@ CHANGES = {"share": "by a share of what they read", "counts": "by counts"}
 
 LEAST = 200
 """Readings of a robot, at least, that a term is looked for in."""
-FEW_BLOCKS = 3.0
+FEW_BLOCKS = 2.0
 """Blocks' worth of readings below which nobody can say how a term scatters from one to the next: a
 robot that stood under the lamp has read light for a moment only. Our choice."""
 ITERATIONS = 5
