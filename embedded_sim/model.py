@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim._core import ffi
+from embedded_sim._core import ffi, lib
 from embedded_sim.senses import LampGeometry, Senses, worked_in
 from embedded_sim.tables import FloatArray as FloatArray
 from embedded_sim.tables import Tables
@@ -86,7 +86,7 @@ class PointModel:
 
     @cached_property
     def _worked_in(self) -> tuple[Tables, npt.NDArray[np.float32]]:
-        """The tables as believed, and the light's circle of bearings three times over, as C has it.
+        """The tables as believed, and the light's as C has them: the circle three times over.
 
         Raises:
             ValueError: the model has no sensor tables.
@@ -100,7 +100,8 @@ class PointModel:
         )
         tables = worked_in(self.tables, self.senses, geometry)
         circle = tables.ls_counts
-        return tables, np.ascontiguousarray(np.hstack([circle, circle, circle, circle[:, :1]]))
+        rows = np.hstack([circle, circle, circle, circle[:, :1]])
+        return tables, np.append(rows, np.zeros(lib.RG_AHEAD, rows.dtype))
 
     @cached_property
     def struct(self) -> Any:

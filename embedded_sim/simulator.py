@@ -21,8 +21,8 @@ TRIAL_SECONDS = 60.0
 
 
 Form = Literal["best", "one_by_one", "avx2", "avx512"]
-"""How trials are computed: the best way there is, one by one, or sixteen side by side in SIMD lanes
-of an instruction set."""
+"""How trials are computed: the best way there is, one by one, or up to 32 side by side in SIMD
+lanes of an instruction set."""
 FORMS: tuple[Form, ...] = get_args(Form)
 
 

@@ -126,31 +126,30 @@ static int32_t rg_forage(const rg_model *m, const rg_behaviour *b, rg_trials *se
     return RG_OK;
 }
 
-/* Do trials look at light without food, with food? Those of one kind share lanes: a lane that looks
- * makes its neighbours wait. */
+/* Do trials look at light without food, with food, and is the captured lamp lit? Those of one kind
+ * share lanes: a lane that looks makes its neighbours wait. */
 static int rg_kind(const rg_model *m, const rg_trials *set, int32_t trial) {
     const double *genome = set->genomes + 2 * trial;
     if (!m->lamp_on[set->scenarios[trial]] && m->second_gain <= 0.0)
         return 0;
-    return (rg_third(genome[0]) != 1) + 2 * (rg_third(genome[1]) != 1);
+    return 4 * (m->lamp_on[set->scenarios[trial]] != 0) + (rg_third(genome[0]) != 1) +
+           2 * (rg_third(genome[1]) != 1);
 }
 
 /* All trials in lanes; false: some left the finite numbers. */
 static int rg_side_by_side(const rg_model *m, const rg_behaviour *b, rg_trials *set) {
     int32_t group[RG_TOGETHER];
     int filled = 0;
-    for (int kind = 0; kind < 4; kind++)
+    for (int kind = 0; kind < 8; kind++)
         for (int32_t trial = 0; trial < set->trials; trial++) {
             if (rg_kind(m, set, trial) != kind)
                 continue;
             group[filled++] = trial;
-            if (filled == RG_TOGETHER && !rg_forage_lanes(m, b, set, group))
+            if (filled == RG_TOGETHER && !rg_forage_lanes(m, b, set, group, filled))
                 return 0;
             filled %= RG_TOGETHER;
         }
-    for (int l = filled; l < RG_TOGETHER; l++)
-        group[l] = group[0]; /* the lanes left over repeat a trial */
-    return filled == 0 || rg_forage_lanes(m, b, set, group);
+    return filled == 0 || rg_forage_lanes(m, b, set, group, filled);
 }
 
 int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, int32_t at[2]) {

@@ -6,6 +6,7 @@
 
 #include "group_drive.h"
 #include "group_light.h"
+#include "group_obstacle.h"
 
 /* Food is picked up, replaced and deposited. */
 RG_INLINE void rg_handle_food_v(const rg_model *m, rg_group *g, double worth) {
@@ -31,67 +32,63 @@ RG_INLINE void rg_handle_food_v(const rg_model *m, rg_group *g, double worth) {
     }
 }
 
-/* Search, and the turns away from obstacles: what rg_control does before it looks at light. */
-RG_INLINE rg_m rg_avoid_v(const rg_model *m, rg_group *g, uint32_t step) {
+/* Curvature of search: rg_search, where a stretch ends. */
+RG_INLINE rg_v rg_search_v(rg_group *g) {
     RG_EACH(l, rg_which(g->search_steps == 0)) {
         g->search[l].search_steps = 0;
-        g->search_turn[l] = rg_search(g->behaviour[l], &g->search[l]);
-        g->search_steps[l] = g->search[l].search_steps + 1;
+        g->search_turn = rg_put_v(g->search_turn, l, rg_search(g->behaviour[l], &g->search[l]));
+        g->search_steps = rg_put_m(g->search_steps, l, g->search[l].search_steps + 1);
     }
     g->search_steps -= 1;
-    const rg_m near = g->x * g->x + g->y * g->y >= g->near_square;
-    RG_EACH(l, rg_which((g->avoid_steps <= g->memory) & near)) {
-        const double pose[2] = {g->x[l], g->y[l]}, heading[2] = {g->cosine[l], g->sine[l]};
-        const int32_t obstacle =
-            rg_look_ahead(m, g->behaviour[l], &g->watch[l], g->words[l], step, pose, heading);
-        if (obstacle != 0) {
-            if (g->avoid_steps[l] == 0)
-                g->avoid_direction[l] = obstacle;
-            g->avoid_steps[l] = g->turn[l];
-        }
-    }
+    return g->search_turn;
+}
+
+/* rg_turns_away, from obstacles on the right and on the left of lanes, as bits */
+RG_INLINE rg_m rg_turns_away_v(rg_group *g, uint64_t right, uint64_t left) {
+    const rg_m met = rg_mask_v(right | left);
+    const rg_v side = rg_pick(rg_mask_v(right), rg_all(1.0), rg_all(-1.0));
+    g->avoid_direction = rg_pick(met & (g->avoid_steps == 0), side, g->avoid_direction);
+    g->avoid_steps = rg_pick_m(met, g->turn, g->avoid_steps);
     const rg_m turning = g->avoid_steps > g->memory;
     g->avoid_steps += g->avoid_steps > 0;
     return turning;
 }
 
 /* The decisions of rg_control, from what each lane senses: wheel speeds. */
-RG_INLINE void rg_decide_v(const rg_model *m, rg_group *g, uint32_t step, double time,
+RG_INLINE void rg_decide_v(const rg_model *m, rg_group *g, int n, uint32_t step, double time,
                            rg_v (*command)[2]) {
     rg_m turning[RG_GROUPS], taxis[RG_GROUPS];
     rg_v turn[RG_GROUPS];
-    for (int i = 0; i < RG_GROUPS; i++) {
-        turning[i] = rg_avoid_v(m, &g[i], step);
+    uint64_t right, left; /* trials with an obstacle there */
+    rg_obstacles_v(m, g, n, step, &right, &left);
+    for (int i = 0; i < n; i++) {
+        turning[i] = rg_turns_away_v(&g[i], rg_group_of(right, i), rg_group_of(left, i));
         taxis[i] = rg_pick_m(g[i].food, g[i].taxis[1], g[i].taxis[0]) & ~turning[i];
-        turn[i] = g[i].search_turn;
+        turn[i] = rg_search_v(&g[i]);
     }
-    rg_m someone = {0};
-    for (int i = 0; i < RG_GROUPS; i++)
-        someone |= taxis[i];
-    if (rg_which(someone != 0) != 0)
-        rg_follow_v(m, g, step, time, taxis, turn);
-    for (int i = 0; i < RG_GROUPS; i++) {
+    rg_light_v(m, g, n, step, time, taxis, turn);
+    for (int i = 0; i < n; i++) {
         const rg_v cruise = g[i].cruise_speed, inner = cruise * (1.0 - rg_abs_v(turn[i]));
         const rg_v spin = g[i].avoid_direction * g[i].avoid_speed;
-        const rg_m left = turn[i] > 0.0;
-        command[i][0] = rg_pick(turning[i], -spin, rg_pick(left, inner, cruise));
-        command[i][1] = rg_pick(turning[i], spin, rg_pick(left, cruise, inner));
+        const rg_m slow_left = turn[i] > 0.0;
+        command[i][0] = rg_pick(turning[i], -spin, rg_pick(slow_left, inner, cruise));
+        command[i][1] = rg_pick(turning[i], spin, rg_pick(slow_left, cruise, inner));
     }
 }
 
-/* Runs both groups, whose instructions overlap; whether every number stayed finite. */
-static int rg_run(const rg_model *m, rg_group g[RG_GROUPS], int32_t steps) {
+/* Runs n groups, whose instructions overlap; whether every number stayed finite. */
+static int rg_run(const rg_model *m, rg_group *g, int n, int32_t steps) {
     const rg_cut cut = rg_cut_of(m);
     const double t_max = steps * m->control_step;
     double time = 0.0;
     for (int32_t step = 0; step < steps; step++) {
         rg_v command[RG_GROUPS][2];
-        for (int i = 0; i < RG_GROUPS; i++)
+        for (int i = 0; i < n; i++)
             rg_handle_food_v(m, &g[i], t_max - step * m->control_step);
-        rg_decide_v(m, g, (uint32_t)step, time, command);
+        rg_decide_v(m, g, n, (uint32_t)step, time, command);
+        rg_drive_step_v(m, &cut, g, n, step, time, command);
         rg_m wrong = {0};
-        for (int i = 0; i < RG_GROUPS; i++) {
-            rg_drive_step_v(m, &cut, &g[i], step, time, command[i]);
+        for (int i = 0; i < n; i++) {
             const rg_v sum = g[i].x + g[i].y + g[i].cosine + g[i].sine;
             wrong |= sum - sum != 0.0;
         }
@@ -102,17 +99,19 @@ static int rg_run(const rg_model *m, rg_group g[RG_GROUPS], int32_t steps) {
     return 1;
 }
 
-int RG_FORAGE_LANES(const rg_model *m, const rg_behaviour *b, rg_trials *set,
-                    const int32_t trials[RG_TOGETHER]) {
+int RG_FORAGE_LANES(const rg_model *m, const rg_behaviour *b, rg_trials *set, const int32_t *trials,
+                    int count) {
     rg_group groups[RG_GROUPS];
     memset(groups, 0, sizeof groups);
-    for (int i = 0; i < RG_TOGETHER; i++) {
-        const rg_behaviour *own = set->behaviours ? &set->behaviours[trials[i]] : b;
-        rg_join(&groups[i / RG_LANES], i % RG_LANES, m, own, set, trials[i]);
+    const int n = (count + RG_LANES - 1) / RG_LANES;
+    for (int l = 0; l < n * RG_LANES; l++) {
+        const int32_t trial = trials[l < count ? l : 0]; /* lanes left over repeat a trial */
+        const rg_behaviour *own = set->behaviours ? &set->behaviours[trial] : b;
+        rg_join(&groups[l / RG_LANES], l % RG_LANES, m, own, set, trial);
     }
-    if (!rg_run(m, groups, set->steps))
+    if (!rg_run(m, groups, n, set->steps))
         return 0;
-    for (int i = 0; i < RG_TOGETHER; i++) {
+    for (int i = 0; i < count; i++) {
         set->fitness[trials[i]] = groups[i / RG_LANES].fitness[i % RG_LANES];
         set->deposits[trials[i]] = groups[i / RG_LANES].deposits[i % RG_LANES];
     }

@@ -19,15 +19,17 @@ RG_INLINE rg_v rg_wheel_advance_v(const rg_drive *d, int side, rg_v *speed, rg_v
     const double most = d->acceleration[side];
     const rg_v start = *speed, step = target - start, size = rg_abs_v(step);
     if (d->time_constant > 0.0) {
-        const rg_v ramp = rg_min_v(size / most - d->time_constant, rg_all(h));
-        const rg_m ramps = ramp > 0.0;
-        const rg_v change = rg_sign_v(most * ramp, step);
-        const rg_v away = rg_pick(ramps, step - change, step);
-        const rg_v rest = rg_pick(ramps, h - ramp, rg_all(h));
-        const rg_v before = rg_pick(ramps, (start + 0.5 * change) * ramp, (rg_v){0});
-        rg_v left = rg_all(part->left);
-        if (rg_which(ramps) != 0)
+        rg_v before = {0}, rest = rg_all(h), away = step, left = rg_all(part->left);
+        /* most steps ask for less than the limit gives: then there is nothing to divide */
+        if (rg_which(size > most * d->time_constant * (1.0 - RG_MARGIN)) != 0) {
+            const rg_v ramp = rg_min_v(size / most - d->time_constant, rg_all(h));
+            const rg_m ramps = ramp > 0.0;
+            const rg_v change = rg_sign_v(most * ramp, step);
+            before = rg_pick(ramps, (start + 0.5 * change) * ramp, before);
+            rest = rg_pick(ramps, h - ramp, rest);
+            away = rg_pick(ramps, step - change, away);
             left = rg_pick(ramps, rg_decay_v(rest / d->time_constant), left);
+        }
         *speed = target - away * left;
         return before + (target * rest - away * d->time_constant * (1.0 - left));
     }
@@ -62,26 +64,29 @@ RG_INLINE void rg_drive_part_v(const rg_drive *d, rg_group *g, const rg_v *comma
     g->sine = next_s * unit;
 }
 
-RG_INLINE void rg_drive_step_v(const rg_model *m, const rg_cut *cut, rg_group *g, int32_t step,
-                               double time, const rg_v *command) {
+/* A control step of all groups: each part for all of them, so that their instructions overlap. */
+RG_INLINE void rg_drive_step_v(const rg_model *m, const rg_cut *cut, rg_group *g, int n,
+                               int32_t step, double time, rg_v (*command)[2]) {
     const rg_drive *d = &m->drive;
-    const rg_v *present = command;
-    if (cut->whole > 0 || cut->old.h > 0.0) {
-        memcpy(g->queue[step & (RG_COMMAND_SLOTS - 1)], command, sizeof g->queue[0]);
-        present = g->queue[(step - cut->whole) & (RG_COMMAND_SLOTS - 1)];
-    }
-    if (cut->old.h > 0.0) {
-        const rg_v *before = g->queue[(step - cut->whole - 1) & (RG_COMMAND_SLOTS - 1)];
-        rg_drive_part_v(d, g, before, &cut->old, time);
-    }
-    rg_drive_part_v(d, g, present, &cut->rest, time);
+    const int newest = step & (RG_COMMAND_SLOTS - 1);
+    const int present = (step - cut->whole) & (RG_COMMAND_SLOTS - 1);
+    const int before = (step - cut->whole - 1) & (RG_COMMAND_SLOTS - 1);
+    const int late = cut->whole > 0 || cut->old.h > 0.0;
+    for (int i = 0; i < n && late; i++)
+        for (int side = 0; side < 2; side++)
+            g[i].queue[newest][side] = command[i][side];
+    for (int i = 0; i < n && cut->old.h > 0.0; i++)
+        rg_drive_part_v(d, &g[i], g[i].queue[before], &cut->old, time);
     const double reach = m->arena_radius - m->body_radius;
-    const rg_v square = g->x * g->x + g->y * g->y;
-    const rg_m beyond = square > reach * reach;
-    if (rg_which(beyond) != 0) {
-        const rg_v back = rg_pick(beyond, reach / rg_sqrt_v(square), rg_all(1.0));
-        g->x *= back;
-        g->y *= back;
+    for (int i = 0; i < n; i++) {
+        rg_drive_part_v(d, &g[i], late ? g[i].queue[present] : command[i], &cut->rest, time);
+        const rg_v square = g[i].x * g[i].x + g[i].y * g[i].y;
+        const rg_m beyond = square > reach * reach;
+        if (rg_which(beyond) != 0) {
+            const rg_v back = rg_pick(beyond, reach / rg_sqrt_v(square), rg_all(1.0));
+            g[i].x *= back;
+            g[i].y *= back;
+        }
     }
 }
 

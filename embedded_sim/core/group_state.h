@@ -1,4 +1,4 @@
-/* Sixteen trials side by side: what each lane holds, and how a trial enters one. */
+/* Trials side by side: what each lane holds, and how a trial enters one. */
 #ifndef RG_GROUP_STATE_H
 #define RG_GROUP_STATE_H
 
@@ -15,7 +15,9 @@ typedef struct {
     rg_m search_steps, avoid_steps, food; /* food: mask */
     /* of each lane's controller, model and stream, which stay */
     rg_v cruise_speed, avoid_speed, light_contrast, light_gain, light_search;
-    rg_v near_square, lamp_x, lamp_y, lamp_on;
+    rg_v ray[RG_SENSORS]; /* m from the centre to where a sensor's reach ends */
+    rg_v lamp_x, lamp_y, lamp_on;
+    uint64_t watched; /* sensors with a reach, as bits */
     rg_m memory, turn, taxis[2];
     rg_u seed[4];
     rg_random random[RG_LANES];
@@ -26,6 +28,11 @@ typedef struct {
     rg_v fitness;
     int32_t deposits[RG_LANES];
 } rg_group;
+
+/* Of trials as bits, those of group i. */
+RG_INLINE uint64_t rg_group_of(uint64_t trials, int i) {
+    return trials >> i * RG_LANES & ((1u << RG_LANES) - 1);
+}
 
 static void rg_join(rg_group *g, int l, const rg_model *m, const rg_behaviour *b,
                     const rg_trials *set, int32_t trial) {
@@ -55,7 +62,11 @@ static void rg_join(rg_group *g, int l, const rg_model *m, const rg_behaviour *b
     g->light_contrast[l] = b->light_contrast;
     g->light_gain[l] = b->light_gain;
     g->light_search[l] = b->light_search;
-    g->near_square[l] = g->watch[l].near_square;
+    for (int k = 0; k < RG_SENSORS; k++) {
+        const double reach = g->watch[l].reach[k];
+        g->ray[k][l] = reach > 0.0 ? m->body_radius + reach : 0.0;
+        g->watched |= (uint64_t)(reach > 0.0) << k;
+    }
     g->memory[l] = g->watch[l].pace.memory;
     g->turn[l] = g->watch[l].pace.turn;
     for (int food = 0; food < 2; food++)

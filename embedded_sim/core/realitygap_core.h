@@ -18,6 +18,7 @@
 enum {
     RG_SENSORS = 8,   /* infrared and light sensors of an e-puck */
     RG_SCENARIOS = 3, /* light opposite the nest, no light, light at the nest (paper, Fig. 5) */
+    RG_AHEAD = 64,    /* floats that the light's table is longer than its rows */
     RG_FOOD_MAX = 32, /* most food items a foraging state can hold */
     RG_COMMAND_SLOTS =
         64, /* commands on their way to the motors: at 40 ms, up to 2.5 s of latency */
@@ -53,7 +54,8 @@ typedef struct {
     double ps_noise_floor; /* half width of uniform noise, counts */
     /* light: counts below dark, [distance][bearing]; the distance axis is range * u^2 with u
      * uniform in [0, 1], bearings (sensor axis to lamp) start at -pi and are uniform on the circle,
-     * which a row holds three times and one node more, so that no lookup has to wrap */
+     * which a row holds three times and one node more, so that no lookup has to wrap; after the
+     * last row come RG_AHEAD floats that may be read and are not used */
     const float *ls_counts;
     int32_t ls_distances, ls_bearings;
     double ls_range;   /* m */

@@ -79,15 +79,16 @@ static inline double rg_reach(const rg_model *m, const rg_behaviour *b, int k) {
     const double most = 1.0 + t->ps_noise[k], floor = t->ps_noise_floor;
     if (!(gain >= 0.0 && offset >= 0.0 && wanted > 0.0 && offset * most + floor < wanted))
         return INFINITY;
-    const float *counts = t->ps_counts + (int64_t)k * t->ps_distances * t->ps_incidences;
-    for (int32_t i = t->ps_distances - 1; i >= 0; i--)
-        for (int32_t j = 0; j < t->ps_incidences; j++)
-            if ((offset + gain * counts[i * t->ps_incidences + j]) * most + floor >= wanted) {
-                /* readings fall to the next node's only there */
-                const double u = rg_min((i + 1.0) / (t->ps_distances - 1), 1.0);
-                return t->ps_range * u * u * (1.0 + RG_MARGIN);
-            }
-    return 0.0;
+    const int32_t row = t->ps_incidences, all = t->ps_distances * row;
+    const float *counts = t->ps_counts + (int64_t)k * all;
+    int32_t i = all - 1;
+    while (i >= 0 && !((offset + gain * counts[i]) * most + floor >= wanted))
+        i--;
+    if (i < 0)
+        return 0.0;
+    /* readings fall to the next node's only there */
+    const double u = rg_min((i / row + 1.0) / (t->ps_distances - 1), 1.0);
+    return t->ps_range * u * u * (1.0 + RG_MARGIN);
 }
 
 static inline rg_watch rg_watch_of(const rg_model *m, const rg_behaviour *b, const double genome[2],

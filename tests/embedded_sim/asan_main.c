@@ -167,7 +167,7 @@ static void swarm(const rg_behaviour *b) {
 }
 
 int main(void) {
-    static float ps[8 * DISTANCES * INCIDENCES], ls[DISTANCES * (3 * BEARINGS + 1)];
+    static float ps[8 * DISTANCES * INCIDENCES], ls[DISTANCES * (3 * BEARINGS + 1) + RG_AHEAD];
     rg_model model;
     rg_behaviour behaviour;
     build_model(&model, ps, ls);

@@ -51,8 +51,21 @@ senses = st.builds(
         st.none(), st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(0.1, 2.0))
     ),
 )
+assert BASE.tables is not None
+LIGHT = BASE.tables.ls_counts
+captures = st.builds(
+    lambda angles, coarser: replace(
+        BASE,
+        sensor_angles=angles,
+        tables=replace(BASE.tables, ls_counts=np.ascontiguousarray(LIGHT[:, ::coarser])),
+    ),
+    eights(-3.14, 3.14),
+    st.sampled_from([1, 6, 36]),
+)
+"""Sensors anywhere, and 72, 12 or 2 bearings: AVX-512 needs three pairs of registers, or one."""
 models = st.one_of(
     st.just(BASE),
+    captures,
     st.builds(lambda drive: replace(BASE, drive=drive), drives),
     st.builds(lambda own: replace(BASE, senses=own), senses),
     st.builds(
