@@ -98,10 +98,21 @@ class PointModel:
             sensor_height=self.sensor_height,
             body_radius=self.body_radius,
         )
-        tables = worked_in(self.tables, self.senses, geometry)
+        tables = worked_in(self.tables, self.senses, geometry, self._farthest)
         circle = tables.ls_counts
         rows = np.hstack([circle, circle, circle, circle[:, :1]])
         return tables, np.append(rows, np.zeros(lib.RG_AHEAD, rows.dtype))
+
+    @property
+    def _farthest(self) -> float:
+        """m from a robot in the arena to a lamp where no case has one; 0: there is none."""
+        shift_x, shift_y = self.senses.lamp_shift
+        moved = [(x + shift_x, y + shift_y) for x, y in filter(None, self.lamps)]
+        if not (shift_x or shift_y):
+            moved = []
+        second = [self.senses.second_lamp[:2]] if self.senses.second_lamp else []
+        inside = self.arena_radius - self.body_radius
+        return max((math.hypot(x, y) + inside for x, y in (*moved, *second)), default=0.0)
 
     @cached_property
     def struct(self) -> Any:

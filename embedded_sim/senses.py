@@ -16,6 +16,9 @@ from embedded_sim.tables import FloatArray, Tables
 
 NONE = (0.0,) * 8
 UNITY = (1.0,) * 8
+OUTERMOST = 10
+"""Nodes of distance that tell how bright a lamp is farther off. Our choice: counts are whole ones,
+so far out some per cent of what is read, and the law holds from half of the table's range on."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,8 +64,20 @@ class LampGeometry:
     body_radius: float = 0.035
 
 
-def worked_in(tables: Tables, senses: Senses, geometry: LampGeometry) -> Tables:
-    """The tables with every term that depends on distance and bearing alone worked in."""
+def worked_in(
+    tables: Tables, senses: Senses, geometry: LampGeometry, farthest: float = 0.0
+) -> Tables:
+    """The tables with every term that depends on distance and bearing alone worked in.
+
+    Args:
+        tables: As captured.
+        senses: What is believed.
+        geometry: Of lamp and robot as captured.
+        farthest: m from a robot to a lamp; where it is past the end of the light's table, the table
+            is continued.
+    """
+    if farthest > tables.ls_range:
+        tables = _continued(tables, geometry, farthest)
     ratio = _law_ratio(tables, senses, geometry)
     lit: FloatArray = tables.ls_counts.astype(np.float64) * ratio
     dark = tables.ls_dark - senses.ambient_light * _facing_at_half_a_metre(tables)
@@ -73,17 +88,39 @@ def worked_in(tables: Tables, senses: Senses, geometry: LampGeometry) -> Tables:
 
 def _law_ratio(tables: Tables, senses: Senses, geometry: LampGeometry) -> FloatArray:
     """(distances, bearings): light under the changed law over light under the captured one."""
-    distances, bearings = tables.ls_counts.shape
-    r = tables.ls_range * np.linspace(0.0, 1.0, distances)[:, np.newaxis] ** 2
-    bearing = -math.pi + 2.0 * math.pi * np.arange(bearings) / bearings
-    rim = geometry.body_radius
-    across = r**2 + rim**2 - 2.0 * r * rim * np.cos(bearing)  # squared: sensor at the rim to lamp
+    across = _across(tables, geometry)
     captured = np.sqrt(across + (geometry.lamp_height - geometry.sensor_height) ** 2)
     height = geometry.lamp_height if senses.lamp_height is None else senses.lamp_height
     changed = np.sqrt(across + (height - geometry.sensor_height) ** 2)
     # the cosine's distance and the law's: 1 + 2 powers as captured
     ratio: FloatArray = captured**3.0 / changed ** (1.0 + senses.light_exponent)
     return ratio
+
+
+def _continued(tables: Tables, geometry: LampGeometry, farthest: float) -> Tables:
+    """The tables with light to a farther end, at nodes spaced as before: it falls there with the
+    square of the distance from what the outermost nodes tell."""
+    captured = len(tables.ls_counts)
+    steps = math.ceil((captured - 1) * math.sqrt(farthest / tables.ls_range))
+    wider = replace(
+        tables,
+        ls_counts=np.pad(tables.ls_counts, ((0, steps + 1 - captured), (0, 0))),
+        ls_range=tables.ls_range * (steps / (captured - 1)) ** 2,
+    )
+    across = _across(wider, geometry) + (geometry.lamp_height - geometry.sensor_height) ** 2
+    outermost = slice(captured - OUTERMOST, captured)
+    power = tables.ls_counts[outermost].sum(axis=0) / (1.0 / across[outermost]).sum(axis=0)
+    wider.ls_counts[captured:] = power / across[captured:]
+    return wider
+
+
+def _across(tables: Tables, geometry: LampGeometry) -> FloatArray:
+    """(distances, bearings) squared m on the floor from a sensor at the rim to the lamp."""
+    distances, bearings = tables.ls_counts.shape
+    r = tables.ls_range * np.linspace(0.0, 1.0, distances)[:, np.newaxis] ** 2
+    bearing = -math.pi + 2.0 * math.pi * np.arange(bearings) / bearings
+    rim = geometry.body_radius
+    return np.asarray(r**2 + rim**2 - 2.0 * r * rim * np.cos(bearing))
 
 
 def _facing_at_half_a_metre(tables: Tables) -> float:

@@ -139,3 +139,23 @@ def test_a_dead_light_sensor_does_not_see_the_room_either_as_a_covered_one_in_re
     read = readings([[0, 0, 0]], [NO_LIGHT], model=believing(ls_gain=dead)).ls[0]
     assert read[3] == NOMINAL.tables.counts_max > NOMINAL.tables.ls_dark
     assert set(np.delete(read, 3)) == {NOMINAL.tables.ls_dark}
+
+
+def test_past_the_end_of_the_table_light_falls_by_the_law_that_is_believed() -> None:
+    away = 1.0
+    poses = [facing(d) for d in (0.7, 0.9)]
+    for exponent in (2.0, 1.9):
+        far = lit(believing(lamp_shift=(away, 0.0), light_exponent=exponent), poses).max(axis=1)
+        rim = NOMINAL.body_radius
+        sensor = np.hypot(np.array([1.7, 1.9]) - rim, RISE)  # from lamp to the sensor that faces it
+        fallen = (sensor[1] / sensor[0]) ** (exponent + 1.0) * (1.7 - rim) / (1.9 - rim)
+        assert far[0] / far[1] == pytest.approx(fallen, rel=0.01)
+
+
+def test_a_table_that_is_continued_says_the_same_as_before_within_its_reach() -> None:
+    random = np.random.default_rng(2)
+    poses = np.column_stack([random.uniform(-0.4, 0.4, (200, 2)), random.uniform(-3, 3, 200)])
+    shift = (-0.1, 0.3)
+    captured = replace(NOMINAL, lamps=(None, None, (0.6 + shift[0], shift[1])))
+    continued = believing(lamp_shift=(-0.1, 0.3), second_lamp=(3.0, 3.0, 0.0))
+    np.testing.assert_allclose(lit(continued, poses), lit(captured, poses), atol=1e-3)
