@@ -43,6 +43,9 @@ class Parameter:
     """Standard error of what the point model's term is worth in the physical unit, relative to the
     coordinate: a rigid body on a floor is not exactly a point on two wheels."""
 
+    unsure: float = 0.0
+    """Standard error of the coordinate that no log takes away, as of a place that tables tell."""
+
     elsewhere: float = 0.0
     """Standard deviation of the coordinate that sound robots get elsewhere than in a reference's
     runs, such as robots that circle because they are half blind. For the gate alone."""

@@ -119,7 +119,7 @@ def _values(cause: SenseCause, coordinates: FloatArray, error: FloatArray) -> tu
     """Physical values with 95 % intervals."""
     told = []
     for p, u, e in zip(cause.parameters, coordinates, error, strict=True):
-        wide = float(np.hypot(e, p.doubt * abs(u)))
+        wide = float(np.hypot(np.hypot(e, p.doubt * abs(u)), p.unsure))
         ends = (float(np.clip(u + side * NOMINAL * wide, *p.bounds)) for side in (-1.0, 0.0, 1.0))
         low, value, high = (p.value(end) for end in ends)
         told.append(Value(p.name, value, low, high, p.unit))

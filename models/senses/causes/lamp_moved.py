@@ -16,6 +16,11 @@ APART = 0.13
 """m between the places tried."""
 
 
+ELSEWHERE = 0.001
+"""Of how far it was moved, error of its place: other parts of the captured table tell of it, each
+wrong by a little of its own."""
+
+
 def _leaps() -> list[FloatArray]:
     steps = np.arange(-FAR, FAR + 0.5 * APART, APART)
     return [np.array([x, y]) for x in steps for y in steps if np.hypot(x, y) > 1.5 * APART]
@@ -31,8 +36,8 @@ CAUSE = SenseCause(
     name="lamp_moved",
     meaning="the lamp stands elsewhere than believed",
     parameters=(
-        Parameter(name="x", unit="m", null=0.0, low=-3.0, high=3.0, step=0.002),
-        Parameter(name="y", unit="m", null=0.0, low=-3.0, high=3.0, step=0.002),
+        Parameter(name="x", unit="m", null=0.0, low=-3.0, high=3.0, step=0.002, doubt=ELSEWHERE),
+        Parameter(name="y", unit="m", null=0.0, low=-3.0, high=3.0, step=0.002, doubt=ELSEWHERE),
     ),
     sense=_sense,
     kind="ls",
