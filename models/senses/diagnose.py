@@ -19,6 +19,7 @@ from models.senses.cause import Belief
 from models.senses.causes import sense_causes
 from models.senses.direct import Scale, dead_infrared, dead_light, noise_scale, of_robots
 from models.senses.lack_of_fit import Noisy, judge
+from models.senses.leap import far_leap
 from models.senses.naming import dead_named, fitted_named, nest_named, noise_named
 from models.senses.predicted import predict
 from models.senses.problem import SWARM, Fit, Problem, Term
@@ -92,17 +93,17 @@ def diagnose_senses(
     common = Belief(senses=model.senses)
     base = [healthy.base((believed or {}).get(robot, common)) for robot in sight.robots]
     expected = predict(sight, model, base)
-    blind = np.hstack(
-        [
-            dead_infrared(sight, expected, healthy.silent),
-            dead_light(sight, expected, model),
-        ]
-    )
+    blind = _blind(sight, model, expected, expected, healthy)
     use = sight.free & ~blind[sight.robot]
+    leap = far_leap(Problem(sight, model, base, use))
+    if leap is not None:  # which sensors should have seen light depends on where it comes from
+        lit = predict(sight, model, [leap.believed(b) for b in base])
+        blind = _blind(sight, model, expected, lit, healthy)
+        use = sight.free & ~blind[sight.robot]
     noisy = _noise(sight, model, base, expected, use, healthy)
     for _ in range(MOST_LOOKS):
         problem = Problem(sight, model, _noisier(base, noisy), use)
-        found, fit = choose(problem, healthy)
+        found, fit = choose(problem, healthy, leap)
         # what a fault explains is no noise
         after = _noisier(problem.beliefs(fit.terms, fit.coordinates), noisy, by=-1.0)
         before, noisy = noisy, _noise(sight, model, after, expected, use, healthy)
@@ -124,6 +125,15 @@ def diagnose_senses(
         structure=judged.structure,
         reference=healthy,
     )
+
+
+def _blind(
+    sight: Sight, model: PointModel, expected: FloatArray, lit: FloatArray, healthy: SenseReference
+) -> Bools:
+    """(robots, 16) sensors that are dead, by the (rows, 16) counts expected and those with the lamp
+    where it is."""
+    infrared = dead_infrared(sight, expected, healthy.silent)
+    return np.hstack([infrared, dead_light(sight, lit, model)])
 
 
 def _missing(log: MeasuredLog, model: PointModel, reference: SenseReference | None) -> list[str]:

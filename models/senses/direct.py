@@ -23,6 +23,9 @@ LEAST_LIT, LEAST_BLOCKS = 30, 3
 for a while."""
 DARK_SHARE = 0.15
 """Of the light expected, most that a covered sensor reads."""
+MOST = 0.5
+"""Of the sensors that should have seen light, those that may be dead. Our choice: most sensors of
+a log do not die at once."""
 UNLIT = 2.0
 """counts expected of the lamp, below which only the room's light is seen."""
 DARKER = 25.0
@@ -64,9 +67,13 @@ def dead_infrared(sight: Sight, expected: FloatArray, silent: float) -> Bools:
 
 
 def dead_light(sight: Sight, expected: FloatArray, model: PointModel) -> Bools:
-    """(robots, 8) light sensors that read dark whatever light there is."""
+    """(robots, 8) light sensors that read dark whatever light there is.
+
+    Where most sensors do, it is not they: the lamp is elsewhere, or out.
+    """
     assert model.tables is not None
     room = model.tables.ls_dark
+    told_of = np.zeros((len(sight.robots), SENSORS), dtype=np.bool_)
     dead = np.zeros((len(sight.robots), SENSORS), dtype=np.bool_)
     for k in range(len(sight.robots)):
         rows = sight.rows_of(k)
@@ -77,9 +84,10 @@ def dead_light(sight: Sight, expected: FloatArray, model: PointModel) -> Bools:
             seen = free[:, s]
             lit = seen & (told[:, s] > LIT)
             blocks = len(np.unique(sight.block[rows][lit]))
+            told_of[k, s] = lit.sum() >= LEAST_LIT and blocks >= LEAST_BLOCKS
             if not seen.any() or np.nanquantile(below[:, s], 0.99) >= 0.5 * LIT:
                 continue  # it has seen light
-            if lit.sum() >= LEAST_LIT and blocks >= LEAST_BLOCKS:
+            if told_of[k, s]:
                 dead[k, s] = np.median(below[lit, s] / told[lit, s]) < DARK_SHARE
             else:
                 unlit = free & (told < UNLIT)
@@ -87,6 +95,8 @@ def dead_light(sight: Sight, expected: FloatArray, model: PointModel) -> Bools:
                 if unlit[:, s].sum() >= LEAST_LIT and unlit[:, others].any():
                     usual = float(np.median(below[:, others][unlit[:, others]]))
                     dead[k, s] = np.median(below[unlit[:, s], s]) < usual - DARKER
+    if (dead & told_of).sum() > MOST * told_of.sum():
+        dead &= ~told_of
     return dead
 
 

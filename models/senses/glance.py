@@ -6,12 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim import SENSORS
 from embedded_sim.model import FloatArray
 from models.causes.withheld import withheld
 from models.senses.causes import sense_causes
 from models.senses.problem import (
-    DEGREES,
     FOLDS,
     STRETCH,
     SWARM,
@@ -20,16 +18,10 @@ from models.senses.problem import (
     Problem,
     Term,
     ridged,
+    spanned,
 )
-from models.senses.sight import too_near
 
 FITTED = ("ps", "ls", "both")
-SCOUTS = 3
-"""Robots whose readings choose among leaps; all of them judge the chosen one."""
-ASTRAY = 2.0
-"""Mean error of light, in noise, from which leaps are tried; a sound robot's is about 0.8."""
-ROUGHLY = 0.5
-"""Of the light that a leap expects, error that it may have: leaps lie a tenth of a metre apart."""
 NO_COMMANDS: FloatArray = np.zeros((0, 2))
 
 
@@ -48,17 +40,24 @@ class Promise(NamedTuple):
 
 
 def promises(
-    problem: Problem, kept: Fit, *, swarm: bool = True, private: bool = True
+    problem: Problem,
+    kept: Fit,
+    *,
+    swarm: bool = True,
+    private: bool = True,
+    wanted: Term | None = None,
 ) -> list[Promise]:
-    """Every term's promise for the swarm and for each robot, best first."""
+    """Every term's promise for the swarm and for each robot, best first; or that of one alone."""
     found: list[Promise] = []
     for cause in sense_causes().values():
         if cause.kind not in FITTED or withheld(cause.name):
             continue
-        if not _visible(problem, cause.kind):
+        if not _visible(problem, cause.kind) or (wanted and wanted.cause.name != cause.name):
             continue
         taken = {(t.cause.name, t.robot) for t in kept.terms}
         for variant in cause.variants:
+            if wanted and wanted.variant != variant:
+                continue
             term = Term(cause, variant)
             starts = cause.starts(NO_COMMANDS) or [np.zeros(term.size)]
             best: dict[int, Promise] = {}
@@ -67,7 +66,7 @@ def promises(
                 scopes = [SWARM] if swarm else []
                 if private and not cause.place:
                     scopes += range(len(problem.sight.robots))
-                for robot in scopes:
+                for robot in scopes if wanted is None else [wanted.robot]:
                     if (cause.name, robot) in taken and len(cause.variants) == 1:
                         continue
                     mine = term._replace(robot=robot)
@@ -80,54 +79,6 @@ def promises(
                         best[robot] = one
             found += best.values()
     return sorted(found, key=lambda one: -one.gain)
-
-
-def far_leap(problem: Problem, kept: Fit) -> tuple[Term, FloatArray] | None:
-    """The leap that takes off most, as a term and its coordinates; None where light is read so
-    nearly as expected that a step from the null finds whatever there is, or none takes off much."""
-    if not _astray(problem, kept):
-        return None
-    best, most = None, 0.0
-    for cause in sense_causes().values():
-        taken = any(t.cause.name == cause.name for t in kept.terms)
-        if withheld(cause.name) or taken:
-            continue
-        for leap in cause.leaps():
-            gain = _scouted(problem, kept, Term(cause), leap)
-            if gain > most:
-                best, most = (Term(cause), leap), gain
-    return best
-
-
-def _scouted(problem: Problem, kept: Fit, term: Term, leap: FloatArray) -> float:
-    """How much better a leap roughly tells what a few robots read, but for those near its lamp."""
-    robots = len(problem.sight.robots)
-    scouts = np.unique(np.linspace(0, robots - 1, SCOUTS, dtype=int)).tolist()
-    terms, start = (*kept.terms, term), np.concatenate([kept.coordinates, leap])
-    after = problem.residual(terms, start, scouts)
-    use = problem.use & np.isin(problem.sight.robot, scouts)[:, None]
-    for mine, lamp in problem.elsewhere(problem.beliefs(terms, start)):
-        use[mine & too_near(problem.sight.poses, lamp), SENSORS:] = False
-    before, now = _rough(problem, kept.residual)[use], _rough(problem, after)[use]
-    return float(np.log1p(before**2 / DEGREES).sum() - np.log1p(now**2 / DEGREES).sum())
-
-
-def _rough(problem: Problem, residual: FloatArray) -> FloatArray:
-    """(rows, 16) errors, of light in units of what a lamp that is a little off may do as well."""
-    tables = problem.model.tables
-    assert tables is not None
-    error = residual[:, SENSORS:] * problem.noise[:, SENSORS:]
-    light = tables.ls_dark - (problem.sight.read[:, SENSORS:] - error)
-    wide = np.hypot(problem.noise[:, SENSORS:], ROUGHLY * light)
-    return np.hstack([residual[:, :SENSORS], error / wide])
-
-
-def _astray(problem: Problem, kept: Fit) -> bool:
-    """Whether light is read quite otherwise than a hypothesis expects."""
-    half = problem.use.shape[1] // 2
-    used = problem.use[:, half:]
-    light = np.abs(kept.residual[:, half:][used])
-    return bool(light.size) and float(light.mean()) > ASTRAY
 
 
 def _visible(problem: Problem, kind: str) -> bool:
@@ -170,20 +121,16 @@ def _step(
     centred = slope - slope.mean(axis=0)
     sand = np.diag(inverse @ (centred.T @ centred) @ inverse)
     error = np.sqrt(np.maximum(sand, np.diag(inverse)))
-    moved = kept.residual.copy()
-    row_fold = problem.fold[problem.sight.block]
-    out = step + _left(problem, slope, bend)
-    n = len(moved)
-    for i, one in enumerate(together):
-        begin, end, _ = one.rows.indices(n)
-        moved[begin:end] += one.values * out[row_fold[begin:end], i, None]
-    held = problem.deviance(np.where(problem.use, moved, 0.0))
+    span = spanned(together, len(kept.residual))
+    moved = problem.moved(kept.residual, together, step + _left(problem, slope, bend), span)
+    touched = np.bincount(problem.sight.block[span], minlength=problem.blocks) > 0
+    won = np.where(touched, kept.held_out - problem.deviance(moved, span), 0.0)
     own = step[len(kept.columns) :]
     coordinates = start.copy()
     coordinates[len(start) - len(own) :] += STRETCH * own
     last = term.cause.parameters[-1]
     possible = not start.any() or last.bounds[0] < coordinates[-1] < last.bounds[1]
-    gain = float((kept.held_out - held).sum()) if possible else -np.inf
+    gain = float(won.sum()) if possible else -np.inf
     wide = np.zeros(len(start))
     wide[len(start) - len(own) :] = STRETCH * error[len(kept.columns) :]
     begun = np.concatenate([kept.coordinates + step[: len(kept.columns)], coordinates])

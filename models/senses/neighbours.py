@@ -30,7 +30,7 @@ class Neighbours:
     place: FloatArray
     """(rows, others, 2) m; `FAR` where there is none."""
 
-    def only(self, chosen: Bools) -> Neighbours:
+    def only(self, chosen: Bools | Rows) -> Neighbours:
         """Of some rows."""
         return Neighbours(self.place[chosen])
 

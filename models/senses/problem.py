@@ -228,11 +228,13 @@ class Problem:
         """Gradient (blocks, p) and curvature (blocks, p, p) of half the deviance."""
         p = len(columns)
         slope, bend = np.zeros((self.blocks, p)), np.zeros((self.blocks, p, p))
-        weight = np.where(self.use, (DEGREES + 1.0) / (DEGREES + residual**2), 0.0)
         n = len(residual)
+        span = spanned(columns, n)
+        used, left = self.use[span], residual[span]
+        weight = np.where(used, (DEGREES + 1.0) / (DEGREES + left**2), 0.0)
         for i, one in enumerate(columns):
             begin, end, _ = one.rows.indices(n)
-            pull = weight[begin:end] * one.values
+            pull = weight[begin - span.start : end - span.start] * one.values
             block = self.sight.block[begin:end]
             each = (pull * residual[begin:end]).sum(axis=1)
             slope[:, i] = np.bincount(block, each, self.blocks)
@@ -252,14 +254,20 @@ class Problem:
         """(blocks,) deviance with each fold left out of the fit."""
         if not columns:
             return self.deviance(residual)
-        steps = self.left_out(slope, bend)
-        moved = residual.copy()
-        row_fold = self.fold[self.sight.block]
-        n = len(residual)
+        moved = self.moved(residual, columns, self.left_out(slope, bend), slice(0, len(residual)))
+        return self.deviance(moved)
+
+    def moved(
+        self, residual: FloatArray, columns: list[Column], steps: FloatArray, rows: slice
+    ) -> FloatArray:
+        """(those rows, 16) errors after (folds, p) steps, each row's that of its fold."""
+        moved = residual[rows].copy()
+        row_fold = self.fold[self.sight.block[rows]]
         for i, one in enumerate(columns):
-            begin, end, _ = one.rows.indices(n)
-            moved[begin:end] += one.values * steps[row_fold[begin:end], i, None]
-        return self.deviance(np.where(self.use, moved, 0.0))
+            begin, end, _ = one.rows.indices(len(residual))
+            mine = slice(begin - rows.start, end - rows.start)
+            moved[mine] += one.values * steps[row_fold[mine], i, None]
+        return np.where(self.use[rows], moved, 0.0)
 
     def left_out(self, slope: FloatArray, bend: FloatArray) -> FloatArray:
         """(folds, p) by how much the optimum moves when a fold is left out."""
@@ -270,6 +278,12 @@ class Problem:
             rest, left = total - bend[out].sum(axis=0), pull - slope[out].sum(axis=0)
             steps.append(-np.linalg.solve(ridged(rest), left))
         return np.array(steps)
+
+
+def spanned(columns: Sequence[Column], number: int) -> slice:
+    """Rows, of so many, from the first to the last that any column has."""
+    ends = [one.rows.indices(number)[:2] for one in columns]
+    return slice(min((b for b, _ in ends), default=0), max((e for _, e in ends), default=0))
 
 
 def ridged(curvature: FloatArray) -> FloatArray:

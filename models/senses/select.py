@@ -14,7 +14,8 @@ import numpy as np
 from scipy import stats
 
 from embedded_sim.model import FloatArray
-from models.senses.glance import Promise, far_leap, promises
+from models.senses.glance import Promise, promises
+from models.senses.leap import Leap
 from models.senses.leftover import Left, leftovers
 from models.senses.problem import SWARM, Fit, Problem, Term
 from models.senses.reference import SenseReference, away
@@ -66,12 +67,18 @@ class Found:
         return float(2.0 * stats.norm.sf(self.distance))
 
 
-def choose(problem: Problem, reference: SenseReference) -> tuple[list[Found], Fit]:
-    """The terms that the readings need, and the fit with all of them."""
+def choose(
+    problem: Problem, reference: SenseReference, leap: Leap | None = None
+) -> tuple[list[Found], Fit]:
+    """The terms that the readings need, and the fit with all of them.
+
+    Args:
+        problem: The readings.
+        reference: What healthy robots read.
+        leap: A lamp that stands somewhere else altogether.
+    """
+    leapt = {} if leap is None else _leapt(problem, leap)
     kept = problem.fit((), np.zeros(0))
-    leapt = _leapt(problem, kept)
-    if leapt:
-        kept = problem.fit((), np.zeros(0))
     flexible = leftovers(problem, Structure(problem, kept), reference)
     closed: list[Left] = []
     tried: dict[Term, dict[Term, float]] = {}
@@ -98,12 +105,9 @@ def choose(problem: Problem, reference: SenseReference) -> tuple[list[Found], Fi
     return [one for one in passed if not _mends(one, passed)], kept
 
 
-def _leapt(problem: Problem, kept: Fit) -> dict[Term, Fit]:
-    """The lamp that stands somewhere else altogether, if light says so, fitted from where it was
-    first seen; readings that say nothing of it are left out from then on."""
-    leap = far_leap(problem, kept)
-    if leap is None:
-        return {}
+def _leapt(problem: Problem, leap: Leap) -> dict[Term, Fit]:
+    """The lamp that stands somewhere else altogether, fitted from where it was first seen; readings
+    that say nothing of it are left out from then on."""
     term, where = leap
     for _ in range(MOST_LEAPS):  # the nearer it is, the better is known which readings tell of it
         problem.leave_out(problem.beliefs((term,), where))
@@ -271,10 +275,8 @@ def _rivals(
 
 def _begin(problem: Problem, kept: Fit, term: Term) -> FloatArray:
     """(p,) coordinates at which a term's own step from a hypothesis ends."""
-    for promise in promises(problem, kept):
-        if promise.term == term:
-            return promise.coordinates
-    return np.zeros(term.size)
+    found = promises(problem, kept, wanted=term)
+    return found[0].coordinates if found else np.zeros(term.size)
 
 
 def _mends(one: Found, all_found: list[Found]) -> bool:

@@ -8,7 +8,7 @@ the line of sight to the lamp below the height of a robot.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +28,8 @@ Rows = npt.NDArray[np.int64]
 MOST_ROWS = 32_000
 """Rows used of a log, evenly in time: more sharpen nothing that differences between healthy robots
 and errors of the captured tables leave visible."""
+BY_ROW = ("time", "scenario", "poses", "spread", "read", "free", "block", "commanded")
+"""What a `Sight` has for every row."""
 STATES = ("food", "nest")
 """Columns of the virtual sensor."""
 BLOCK_SECONDS = 5.0
@@ -71,6 +73,16 @@ class Sight:
     def rows_of(self, robot: int) -> slice:
         """Rows of a robot, given by index."""
         return slice(int(self.begin[robot]), int(self.begin[robot + 1]))
+
+    def only(self, rows: Rows) -> Sight:
+        """Some rows, in order."""
+        return replace(
+            self,
+            begin=np.searchsorted(rows, self.begin),
+            neighbours=self.neighbours.only(rows),
+            states={name: state[rows] for name, state in self.states.items()},
+            **{name: getattr(self, name)[rows] for name in BY_ROW},
+        )
 
 
 def look(
