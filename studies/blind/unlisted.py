@@ -15,6 +15,7 @@ from reality import constants as k
 from reality.effects import Effect, Parameter
 from reality.effects.effect import WHEEL, Robots, Value, number, wheels
 from reality.hardware import FloatArray, Hardware
+from reality.laws import WheelLaw
 
 Apply = Callable[[Hardware, Robots, Mapping[str, Value]], None]
 
@@ -30,11 +31,19 @@ def _amount(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> 
     return amount
 
 
+def _turned_by(hardware: Hardware, law: WheelLaw) -> None:
+    """Let wheels turn by a law, on top of those that they turn by already."""
+    before = hardware.laws.wheels or (lambda speeds, angles, poses, time: speeds)
+    hardware.laws.wheels = lambda speeds, angles, poses, time: law(
+        before(speeds, angles, poses, time), angles, poses, time
+    )
+
+
 def _eccentric(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
     amount: FloatArray = np.zeros((hardware.robots, 2))
     amount[robots, wheels(values)] = number(values, "share")
-    hardware.laws.wheels = lambda speeds, angles, poses, time: (
-        speeds * (1.0 + amount * np.cos(angles))
+    _turned_by(
+        hardware, lambda speeds, angles, poses, time: speeds * (1.0 + amount * np.cos(angles))
     )
 
 
@@ -43,8 +52,9 @@ def _slower_where(where: Callable[[FloatArray], FloatArray]) -> Apply:
 
     def apply(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
         amount = _amount(hardware, robots, values)
-        hardware.laws.wheels = lambda speeds, angles, poses, time: (
-            speeds * (1.0 - amount * where(poses)[:, None])
+        _turned_by(
+            hardware,
+            lambda speeds, angles, poses, time: speeds * (1.0 - amount * where(poses)[:, None]),
         )
 
     return apply
@@ -65,8 +75,11 @@ def _crowded(poses: FloatArray) -> FloatArray:
 
 def _fast(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
     amount = _amount(hardware, robots, values)
-    hardware.laws.wheels = lambda speeds, angles, poses, time: (
-        speeds * (1.0 - amount * np.abs(speeds) / k.WHEEL_SPEED_MAX)
+    _turned_by(
+        hardware,
+        lambda speeds, angles, poses, time: (
+            speeds * (1.0 - amount * np.abs(speeds) / k.WHEEL_SPEED_MAX)
+        ),
     )
 
 

@@ -17,16 +17,16 @@ from studies.blind.unlisted import FOLLOWS, UNLISTED
 SPEED = 6.0 * k.WHEEL_RADIUS
 
 
-def world(spec: str, poses: list[list[float]]) -> World:
-    effects = parse_effects((spec,), len(poses), UNLISTED)
+def world(specs: str, poses: list[list[float]]) -> World:
+    effects = parse_effects(specs.split(), len(poses), UNLISTED)
     found = World(len(poses), np.random.SeedSequence(1), effects=effects, poses=np.array(poses))
     found.light.set_scenario(2)
     return found
 
 
-def straight(spec: str, poses: list[list[float]], seconds: float = 1.0) -> np.ndarray:
+def straight(specs: str, poses: list[list[float]], seconds: float = 1.0) -> np.ndarray:
     """(robots, 2) of way ahead (m) and turn (rad) of robots told to go straight."""
-    here = world(spec, poses)
+    here = world(specs, poses)
     for _ in range(round(seconds / k.CONTROL_STEP)):
         here.sense()
         here.act(np.full((len(poses), 2), 6.0))
@@ -76,6 +76,14 @@ def test_shy_robots_are_slower_near_one_another_alone() -> None:
 def test_fast_wheels_lose_more_than_slow_ones() -> None:
     ahead = straight("speed_loss:share=0.1,robot=1", [[-0.4, 0.2, 0.0], [-0.4, -0.2, 0.0]])[:, 0]
     assert ahead[1] / ahead[0] == pytest.approx(1.0 - 0.1 * 6.0 / k.WHEEL_SPEED_MAX, abs=0.01)
+
+
+def test_two_that_change_wheels_act_one_upon_the_other() -> None:
+    poses = [[-0.4, 0.2, 0.0], [-0.4, -0.2, 0.0]]
+    free = straight("carpet:share=0.0", poses)[:, 0]
+    both = straight("speed_loss:share=0.1,robot=0 carpet:share=0.2", poses)[:, 0]
+    share = both / free
+    assert share == pytest.approx([0.8 * (1.0 - 0.1 * 6.0 / k.WHEEL_SPEED_MAX), 1.0], abs=0.01)
 
 
 def test_a_lens_pulls_far_robots_inwards() -> None:
