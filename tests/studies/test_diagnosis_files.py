@@ -67,6 +67,17 @@ def test_body_commands_are_read_by_the_geometry_without_the_extension(tmp_path: 
     assert np.allclose(commands, np.column_stack([left, right]))
 
 
+def test_logs_of_different_commands_are_refused(log: Path, tmp_path: Path) -> None:
+    frame = driven_log(3, robots=1, rows=100).rename(
+        columns={"cmd_left": "cmd_v", "cmd_right": "cmd_omega"}
+    )
+    write_table(frame, tmp_path / "body.csv")
+    model = read_model_file("epuck")
+    for logs in ((log, tmp_path / "body.csv"), (tmp_path / "body.csv", log)):
+        with pytest.raises(InputError, match=rf"{logs[1].name}.*as in .*{logs[0].name}"):
+            read_logs(logs, model)
+
+
 def test_a_missing_reference_is_refused(log: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="--reference"):
         diagnose_files(Request(logs=(log,), reference="nowhere.json"), tmp_path / "out")

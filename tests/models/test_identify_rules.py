@@ -1,0 +1,97 @@
+"""Rules of the diagnosis of motion, each by itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from embedded_sim import replay
+from models.causes import Motion, causes
+from models.identify.fit import Problem
+from models.identify.hypothesis import Term
+from models.identify.plain import replaced
+from models.identify.structure import follows
+from models.identify.tracks import TURNED
+from tests.models.small import random_commands
+from tests.models.test_identify import HEALTHY, diagnosed, names, table, tracks
+
+STEP, ROWS = 0.04, 1500
+
+
+def driven(seed: int, commands: np.ndarray, turned: np.ndarray) -> pd.DataFrame:
+    """One robot's log of some commands whose wheels turn at other speeds, (rows, 2) rad/s."""
+    t = STEP * np.arange(len(commands))
+    poses = replay(t, turned, [0, len(t)], np.zeros((1, 3)), drive=HEALTHY).poses
+    poses = poses + np.random.default_rng(seed).normal(0, 1, poses.shape) * [5e-4, 5e-4, 5e-3]
+    columns = dict(zip(("x", "y", "yaw"), poses.T, strict=True))
+    columns |= dict(zip(("cmd_left", "cmd_right"), commands.T, strict=True))
+    return pd.DataFrame({"run": "a", "robot": 0, "t": t, **columns})
+
+
+@pytest.mark.parametrize(("share", "quantities"), [(0.1, {"wheel_speed"}), (0.0, set())])
+def test_a_cause_is_replaced_by_a_quantity_that_tells_it_all_and_not_otherwise(
+    share: float, quantities: set[str]
+) -> None:
+    """Wheels that lose the more the faster they turn are half described by a limit; wheels that are
+    limited are described by nothing better."""
+    commands = random_commands(np.random.default_rng(30), ROWS)
+    lost = commands * (1.0 - share * np.abs(commands) / 6.28)
+    cut = tracks(driven(30, commands, lost if share else np.clip(commands, -5.0, 5.0)))
+    problem = Problem(cut, [Motion(drive=HEALTHY)])
+    limit = Term(causes()["motor_saturation"], "both")
+    without = problem.fit((), [np.zeros((1, 0))])
+    kept = problem.fit((limit,), [np.full((1, 1), 5.5)])
+    found = replaced(problem, kept, without, float(problem.gain(without, kept).sum()))
+    assert ({found.quantity} if found else set()) == quantities
+
+
+def test_a_cause_that_a_quantity_replaces_is_not_named_and_the_quantity_is() -> None:
+    frame = table(31, {}, rows=ROWS)
+    commands = frame.loc[frame["robot"] == 1, ["cmd_left", "cmd_right"]].to_numpy()
+    lost = commands * (1.0 - 0.02 * np.abs(commands) / 6.28)
+    strange = driven(31, commands, lost).assign(robot=1)
+    found = diagnosed(pd.concat([frame[frame["robot"] != 1], strange], ignore_index=True))
+    assert "motor_saturation" not in dict(names(found))
+    assert [one.robots for one in found.unexplained] == [(1,)]
+    assert found.unexplained[0].quantity in ("wheel_speed", "speed", "speed_squared")
+
+
+def test_what_follows_a_wheels_angle_is_seen_by_the_angle_that_encoders_tell() -> None:
+    """A wheel that slowly turns further than believed has lost its believed angle in a minute."""
+    commands = random_commands(np.random.default_rng(32), ROWS)
+    angle, turned = np.zeros(2), np.zeros((ROWS, 2))
+    for row, told in enumerate(commands):
+        turned[row] = 1.03 * told * (1.0 + [0.1, 0.0] * np.cos(angle))
+        angle += STEP * turned[row]
+    frame = driven(32, commands, turned)
+    measured = np.vstack([np.zeros(2), turned[:-1]])  # mean speed since the row before
+    encoded = frame.assign(wheel_left=measured[:, 0], wheel_right=measured[:, 1])
+    strength = {}
+    for name, one in (("commands", frame), ("encoders", encoded)):
+        cut = tracks(one)
+        (found,) = (f for f in follows(cut, [Motion(drive=replace(HEALTHY))]) if f.key == SWINGS)
+        strength[name] = float(found.gain[0])
+        if name == "encoders":
+            told = cut.about[:, [cut.columns.index(column) for column in TURNED]]
+            np.testing.assert_allclose(told, STEP * np.cumsum(measured, axis=0), atol=1e-9)
+    assert strength["encoders"] > 5.0 * strength["commands"]
+
+
+SWINGS = "speed/left_wheel_angle cos"
+
+
+@pytest.mark.parametrize(("seconds", "said"), [(20.0, True), (45.0, False)])
+def test_a_robot_that_hardly_moved_is_not_called_sound(seconds: float, said: bool) -> None:
+    frame = table(33, {})
+    still = (frame["robot"] == 1) & (frame["t"] > seconds)
+    frame.loc[still, ["cmd_left", "cmd_right"]] = 0.0
+    rest = frame[(frame["robot"] == 1) & (frame["t"] <= seconds)].iloc[-1]
+    frame.loc[still, ["x", "y", "yaw"]] = rest[["x", "y", "yaw"]].to_numpy(dtype=float)
+    noise = np.random.default_rng(33).normal(0, 1, (int(still.sum()), 3)) * [5e-4, 5e-4, 5e-3]
+    frame.loc[still, ["x", "y", "yaw"]] += noise
+    told = [text for text in diagnosed(frame).not_checked if "of free motion" in text]
+    assert bool(told) == said
+    assert all(text.startswith("motion of robots 1:") for text in told)
