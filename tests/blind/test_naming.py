@@ -19,6 +19,7 @@ from studies.blind.menu import MENU
 from studies.blind.record import record
 from studies.blind.scoring import Score, named, score
 from studies.blind.trials import Hidden, Trial
+from studies.blind.unlisted import FOLLOWS
 from studies.experiment import RunConfig
 
 ROBOTS = 10
@@ -84,6 +85,23 @@ def test_five_robots_with_five_faults_of_motors_are_told_apart() -> None:
             seed=505,
         )
     )
+
+
+def test_what_no_catalogue_lists_is_called_unexplained_by_what_it_follows() -> None:
+    lossy = hide("speed_loss", 2, share=0.06)
+    eccentric = hide("eccentric_wheel", 6, share=0.1, wheel="left")
+    trial, answer = told(lossy, eccentric, seed=507)
+    assert answer["verdict"] == "unexplained"
+    followed = {tuple(one["robots"]): one["quantity"] for one in answer["unexplained"]}
+    assert set(followed) == {(2,), (6,)}
+    for one in trial.hidden:
+        assert followed[one.robots] in FOLLOWS[one.name].split()
+    assert not score(trial, answer).accused
+
+
+def test_a_lamp_that_stands_somewhere_else_altogether_is_found() -> None:
+    moved = Hidden("lamp_moved", {"x": -1.0, "y": 0.4}, (), 1.08, 108.0)
+    assert all(check(*told(moved, seed=506)).inside)
 
 
 def test_a_healthy_swarm_is_told_so() -> None:
