@@ -103,6 +103,9 @@ class Cause:
     feigns: Mapping[str, float] = field(default_factory=dict, hash=False)
     """By name of another cause, standard deviation of what a robot with this one seems to have of
     that, in its coordinate: the point model's term is only roughly what happens on the floor."""
+    exact: bool = False
+    """The term does just what the cause does: what a fit asks for of the causes that it feigns only
+    bends its value, and mends nothing."""
     twins: tuple[str, ...] = ()
     """Causes that act on poses exactly alike; `separated_by` tells them apart."""
     as_twin: Callable[[Motion, Motion], float | None] | None = None

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from embedded_sim.model import FloatArray
 from models.causes.cause import Cause, Parameter
-from models.causes.command_latency import ELSEWHERE
+from models.causes.command_latency import ELSEWHERE, FEIGNS
 from models.causes.motion import Motion
 
 
@@ -30,6 +30,8 @@ CAUSE = Cause(
     ),
     change=_change,
     family="transient",
+    feigns=FEIGNS,
+    exact=True,
     confusable_with=("command_latency",),
     twins=("command_latency",),
     separated_by=("wheel_left", "wheel_right"),

@@ -8,6 +8,7 @@ stays within that spread is how healthy robots differ: it is kept in the fit, un
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 from scipy import stats
@@ -16,7 +17,7 @@ from embedded_sim.model import FloatArray
 from models.identify.choice import Choice, Evidence, Mimic, Replaced
 from models.identify.consistency import Misfit, misfit
 from models.identify.fit import Problem
-from models.identify.hypothesis import Fit, Term
+from models.identify.hypothesis import Fit, Term, Terms
 from models.identify.measure import distance, jump
 from models.identify.plain import replaced
 from models.identify.separable import inseparable
@@ -42,17 +43,20 @@ RIVAL_SHARE = 0.3
 """Of the gain that a term needs to be looked at as a rival."""
 
 
-def choose(problem: Problem, reference: Reference, *, swarm: bool = False) -> Choice:
+def choose(
+    problem: Problem, reference: Reference, *, swarm: bool = False, shared: Terms = ()
+) -> Choice:
     """The terms that one group of robots needs.
 
     Args:
         problem: With a single group.
         reference: What healthy robots show.
         swarm: Whether the group is a whole swarm, which differs less from others than a robot does.
+        shared: Named already of this robot and others.
     """
     if problem.count != 1:
         raise ValueError(f"problem: got {problem.count} groups, expected one")
-    search = _Search(problem, reference, swarm)
+    search = _Search(problem, reference, swarm, shared)
     before = problem.at((), np.zeros((1, 0)))
     kept, tried = search.forward(before)
     kept = search.needed(kept)
@@ -82,8 +86,9 @@ def _ranked(gains: dict[Term, float]) -> tuple[tuple[str, float], ...]:
 class _Search:
     """The fits of one selection."""
 
-    def __init__(self, problem: Problem, reference: Reference, swarm: bool) -> None:
+    def __init__(self, problem: Problem, reference: Reference, swarm: bool, shared: Terms) -> None:
         self.problem, self.reference, self.swarm = problem, reference, swarm
+        self.shared = shared
         self.trials = Trials(problem)
         self.least_gain = reference.gates.gain
         self._without: dict[tuple[Fit, Term], Fit] = {}
@@ -180,7 +185,7 @@ class _Search:
         if (np.array(signs) * coordinates[0] < 0.0).any():
             return None
         jumped = np.zeros(1) if term.cause.smooth else jump(self.problem, without, kept)
-        away = self.distance(term, coordinates, covariance, jumped)
+        away = self.distance(term, coordinates, covariance, jumped, self.feigned(kept, term))
         if away < self.reference.gate(term.key, swarm=self.swarm) or gain < self.least_gain:
             return None
         total = float(self.problem.losses(without.held_out).sum())
@@ -194,13 +199,34 @@ class _Search:
             distance=away,
         )
 
+    def feigned(self, kept: Fit, term: Term) -> float:
+        """Standard deviation of a coordinate that exact causes, stronger than its own, feign."""
+        name = term.cause.name
+        exact = [t for t in kept.terms if t.cause.exact and name in t.cause.feigns]
+        if exact:
+            own = self.alone(kept, term)
+            exact = [t for t in exact if self.alone(kept, t) > own]
+        feigned = [t.cause.feigns.get(name, 0.0) for t in (*exact, *self.shared) if t.cause.exact]
+        return max(feigned, default=0.0)
+
+    def alone(self, kept: Fit, term: Term) -> float:
+        """Held-out deviance that a term takes off as the only one of its family."""
+        kin = [t for t in kept.terms if t.cause.family == term.cause.family and t != term]
+        only = reduce(self.without, kin, kept)
+        return self.gain_of(only, term)
+
     def distance(
-        self, term: Term, coordinates: FloatArray, covariance: FloatArray, jumped: FloatArray
+        self,
+        term: Term,
+        coordinates: FloatArray,
+        covariance: FloatArray,
+        jumped: FloatArray,
+        feigned: float = 0.0,
     ) -> float:
         """Standard deviations from the healthy value."""
         mean, sd = self.reference.spread(term.key, coordinates.shape[1], swarm=self.swarm)
-        commands = self.problem.tracks.commands
-        return float(distance(term, coordinates, covariance, commands, mean, sd, jumped)[0])
+        commands, wide = self.problem.tracks.commands, np.hypot(sd, feigned)
+        return float(distance(term, coordinates, covariance, commands, mean, wide, jumped)[0])
 
     def without(self, kept: Fit, term: Term) -> Fit:
         """The set refitted without a term."""

@@ -94,10 +94,11 @@ def identify(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
     choices = {}
     for k in _suspects(tracks, seen, reference):
         alone = Problem(tracks.only([k]), [explained[k]])
-        choice = choose(alone, reference)
+        common = tuple(one.term for one in named if tracks.robots[k] in one.robots)
+        choice = choose(alone, reference, shared=common)
         new, motion, mimicked = _names(alone, choice, reference, swarm=False)
-        common = _each(named, tracks.robots[k])
-        named += [one for one in new if one.evidence.gain >= FAMILY * common]
+        each = _each(named, tracks.robots[k])
+        named += [one for one in new if one.evidence.gain >= FAMILY * each]
         explained[k] = motion[0]
         mimics[k] = mimics.get(k, ()) + mimicked
         choices[k] = choice

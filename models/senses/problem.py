@@ -31,6 +31,8 @@ STRETCH = 1.36
 """How far the optimum lies beyond one step with the weights as curvature, and its error beyond what
 they give: the ratio of mean weight to mean curvature of such a deviance for normal errors."""
 RIDGE = 1e-10
+LEAST_SAND = 1e-12
+"""Of the variance that the weights give, least that blocks are taken to give."""
 SWARM = -1
 """Scope of a term that all robots share."""
 
@@ -214,7 +216,8 @@ class Problem:
         inverse = np.linalg.inv(ridged(total)) if len(here) else np.zeros((0, 0))
         centred = slope - slope.mean(axis=0)
         sand = inverse @ (centred.T @ centred) @ inverse
-        plain = np.sqrt(np.maximum(np.diag(inverse) / np.maximum(np.diag(sand), 1e-300), 1.0))
+        least = np.diag(inverse)
+        plain = np.sqrt(np.maximum(least / np.maximum(np.diag(sand), LEAST_SAND * least), 1.0))
         return Fit(
             terms=terms,
             coordinates=here,
