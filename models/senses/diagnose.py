@@ -103,13 +103,14 @@ def diagnose_senses(
     noisy = _noise(sight, model, base, expected, use, healthy)
     for _ in range(MOST_LOOKS):
         problem = Problem(sight, model, _noisier(base, noisy), use)
-        found, fit = choose(problem, healthy, leap)
+        chosen = choose(problem, healthy, leap)
         # what a fault explains is no noise
-        after = _noisier(problem.beliefs(fit.terms, fit.coordinates), noisy, by=-1.0)
+        told = problem.beliefs(chosen.fit.terms, chosen.fit.coordinates)
+        after = _noisier(told, noisy, by=-1.0)
         before, noisy = noisy, _noise(sight, model, after, expected, use, healthy)
         if all(abs(u - v) < OTHERWISE for (u, *_), (v, *_) in zip(before, noisy, strict=True)):
             break
-    judged = judge(problem, fit, found, healthy)
+    judged = judge(problem, chosen, healthy)
     found = [_wall_or_sensors(one, problem, judged.fit, healthy) for one in judged.found]
     named += fitted_named(found, sight.robots, healthy)
     named += dead_named(blind, sight.robots)

@@ -17,7 +17,7 @@ from models.diagnosis import Unexplained
 from models.senses.leftover import SHOWS, Left, leftovers
 from models.senses.problem import SWARM, Fit, Problem, Term
 from models.senses.reference import SenseReference
-from models.senses.select import Found
+from models.senses.select import Chosen, Found
 from models.senses.structure import KINDS, Follow, Structure
 
 MENDED = 0.04
@@ -59,12 +59,12 @@ class Judged:
         ]
 
 
-def judge(problem: Problem, fit: Fit, found: Sequence[Found], healthy: SenseReference) -> Judged:
+def judge(problem: Problem, chosen: Chosen, healthy: SenseReference) -> Judged:
     """Look at what the named terms leave, and take back the names that do not fit."""
-    believed = _not_too_many(found)
+    believed, fit, looked = _not_too_many(chosen.found), chosen.fit, chosen.structure
     while True:
         fit = _with_only(problem, fit, tuple(one.term for one in believed))
-        structure = Structure(problem, fit)
+        structure = looked if looked and fit is chosen.fit else Structure(problem, fit)
         lefts = tuple(
             left
             for left in leftovers(problem, structure, healthy)

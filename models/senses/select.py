@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
@@ -70,10 +71,17 @@ class Found:
         return float(2.0 * stats.norm.sf(self.distance))
 
 
-def choose(
-    problem: Problem, reference: SenseReference, leap: Leap | None = None
-) -> tuple[list[Found], Fit]:
-    """The terms that the readings need, and the fit with all of them.
+class Chosen(NamedTuple):
+    """The terms that the readings need, and the fit with all of them."""
+
+    found: list[Found]
+    fit: Fit
+    structure: Structure | None
+    """What follows what beside the fit; None: nobody has looked."""
+
+
+def choose(problem: Problem, reference: SenseReference, leap: Leap | None = None) -> Chosen:
+    """The terms that the readings need.
 
     Args:
         problem: The readings.
@@ -81,8 +89,9 @@ def choose(
         leap: A lamp that stands somewhere else altogether.
     """
     leapt = {} if leap is None else _leapt(problem, leap)
-    kept = problem.fit((), np.zeros(0))
-    flexible = leftovers(problem, Structure(problem, kept), reference)
+    before = kept = problem.fit((), np.zeros(0))
+    structure = Structure(problem, before)
+    flexible = leftovers(problem, structure, reference)
     closed: list[Left] = []
     tried: dict[Term, dict[Term, float]] = {}
     while len(kept.terms) < MOST_TERMS:
@@ -105,7 +114,8 @@ def choose(
         kept = problem.fit(kept.terms, kept.coordinates)
     found = [_evidence(problem, kept, t, reference, tried.get(t, {})) for t in kept.terms]
     passed = [one for one in found if one is not None]
-    return [one for one in passed if not _mends(one, passed)], kept
+    named = [one for one in passed if not _mends(one, passed)]
+    return Chosen(named, kept, structure if kept is before else None)
 
 
 def _leapt(problem: Problem, leap: Leap) -> dict[Term, Fit]:
