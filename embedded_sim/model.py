@@ -105,11 +105,9 @@ class PointModel:
 
     @property
     def _farthest(self) -> float:
-        """m from a robot in the arena to a lamp where no case has one; 0: there is none."""
+        """m, most from a robot in the arena to a lamp; 0: there is none."""
         shift_x, shift_y = self.senses.lamp_shift
         moved = [(x + shift_x, y + shift_y) for x, y in filter(None, self.lamps)]
-        if not (shift_x or shift_y):
-            moved = []
         second = [self.senses.second_lamp[:2]] if self.senses.second_lamp else []
         inside = self.arena_radius - self.body_radius
         return max((math.hypot(x, y) + inside for x, y in (*moved, *second)), default=0.0)

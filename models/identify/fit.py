@@ -31,6 +31,8 @@ STEADY = 0.1
 """Relative change of the errors' scale between two steps that no longer matters."""
 FOLDS = 5
 """Parts into which a robot's blocks are dealt in turn for held-out deviances."""
+TINY = 1e-9
+"""Deviance that is none."""
 RIDGE = 1e-9
 """Relative curvature added where a parameter has no effect."""
 NORMAL = 1.4826
@@ -94,9 +96,10 @@ class Problem:
         """(n, 3) errors in noise."""
         return self.fitter(poses(self.tracks, self.motions(terms, coordinates)))
 
-    def losses(self, residual: FloatArray) -> FloatArray:
-        """(windows,) deviance."""
-        rows = deviance(residual, self.row_scale)
+    def losses(self, residual: FloatArray, scale: FloatArray | None = None) -> FloatArray:
+        """(windows,) deviance; `scale` (robots, 3) of the errors, the problem's if None."""
+        wide = self.row_scale if scale is None else scale[self._row_robot]
+        rows = deviance(residual, wide)
         return np.add.reduceat(rows, self.tracks.first)
 
     def by_group(self, windows: FloatArray) -> FloatArray:
@@ -159,9 +162,7 @@ class Problem:
         damping = np.full(self.count, 1e-4)
         jacobian = None
         for _ in range(ITERATIONS if here.shape[1] else 0):
-            self.scale, seen = goal, self.scale
-            whole = self.by_group(self.losses(residual))
-            self.scale = seen
+            whole = self.by_group(self.losses(residual, goal))
             before, self.scale = self.scale, np.maximum(goal, self.spread(residual))
             loss = self.by_group(self.losses(residual))
             if jacobian is None:
@@ -169,7 +170,7 @@ class Problem:
             curvature, gradient, _ = self._normal(residual, jacobian)
             step = _solve(curvature, gradient, damping)
             promised = np.einsum("gp,gp->g", step, gradient)
-            if (whole * (1.0 - HOPE * promised / loss) > lowest).all():
+            if (whole * (1.0 - HOPE * promised / np.maximum(loss, TINY)) > lowest).all():
                 break
             steady = bool((np.abs(self.scale / before - 1.0) < STEADY).all())
             if (promised < CONVERGED).all() and steady:

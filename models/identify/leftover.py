@@ -45,7 +45,8 @@ def leftover(
     far = np.where((gain > MENDED * named) & (gain > reference.gates.gain), far, 0.0)
     gates = np.array([_gate(one, reference) for one in usable])
     result = []
-    for k, robot in enumerate(tracks.robots):
+    for k in np.unique(tracks.robot).tolist():  # the others were never free
+        robot = tracks.robots[k]
         aside = wild(Problem(tracks.only([k]), [identified.explained[k]]))
         if aside is not None:
             result.append(_set_aside(aside, robot))

@@ -90,8 +90,10 @@ def driven(
     """
     total = drive.latency + delay
     origin = np.zeros((len(cut) - 1, 3))
-    if total >= 0.0:  # late poses and late commands are the same in motion
-        return replay(t, commands, cut, origin, drive=_with(drive, latency=total)).poses
+    if (
+        total >= 0.0 or len(t) < 2
+    ):  # one row goes nowhere; late poses and late commands are the same in motion
+        return replay(t, commands, cut, origin, drive=_with(drive, latency=max(total, 0.0))).poses
     took = np.diff(t)
     left_out = took > AROUND  # rows between windows: none of these looks so far
     whole = len(cut) == 2 and not left_out.any()

@@ -95,7 +95,8 @@ class Trials:
             for term, here in begun.items()
             if here
         }
-        least = SHORT_LIST * max(gains.values(), default=0.0)
+        most = max(gains.values(), default=0.0)
+        least = min(SHORT_LIST * most, most)  # the best always, though scouts be worse off with it
         return [term for term, gain in gains.items() if gain >= least]
 
 

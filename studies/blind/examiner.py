@@ -1,8 +1,9 @@
 """Diagnoses by processes that get a log alone, without starting Python anew for each.
 
 An examiner is a process of its own that loads the diagnosis and nothing of the trial, is told a
-directory and causes to do without, and forks: the fork diagnoses the log there, answers and is
-gone, so that no log's diagnosis knows of another's. It ends with whoever asked.
+directory and causes to do without, and forks: the fork diagnoses the log there, writes its answer
+into a file and is gone, so that no log's diagnosis knows of another's. It ends with whoever asked,
+and its fork with it.
 """
 
 from __future__ import annotations
@@ -13,11 +14,14 @@ import os
 import signal
 import subprocess
 import sys
+import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from select import select
+from tempfile import TemporaryDirectory
+from threading import Lock
 from typing import Any
 
 from studies.diagnosis_request import Request
@@ -25,36 +29,56 @@ from studies.diagnosis_request import Request
 LOG = "samples.parquet"
 TIMEOUT = 900.0
 """s for one diagnosis; our choice."""
+POLL = 0.05
+"""s between two looks at a fork; a hundredth of what it takes."""
 THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
-"""One thread per library: results do not depend on the cores, and forks are safe."""
+"""One thread per library: results do not depend on the cores."""
 
 Answer = tuple[dict[str, Any] | None, str | None]
 """The content of `diagnosis.json`, or what went wrong."""
 
 
 class _Examiner:
-    """The process, started when first asked."""
+    """The process, started when first asked; one question at a time, whatever the threads."""
 
     def __init__(self) -> None:
         self.process: subprocess.Popen[str] | None = None
+        self._asked = 0
+        self._one_at_a_time = Lock()
 
     def ask(self, given: Path, withheld: tuple[str, ...]) -> Answer:
         """Its answer; after none in time, or a death, the next question gets a new process."""
+        with self._one_at_a_time, TemporaryDirectory(prefix="realitygap-answer-") as scratch:
+            answer = Path(scratch) / "answer.json"
+            try:
+                error = self._failure(given, withheld, answer)
+            except BaseException:
+                self.stop()  # or the next question would get this one's answer
+                raise
+            if error is not None:
+                return None, error
+            diagnosis, error = json.loads(answer.read_text(encoding="utf-8"))
+            return diagnosis, error
+
+    def _failure(self, given: Path, withheld: tuple[str, ...], answer: Path) -> str | None:
+        """Ask, wait, and say what kept the fork from writing its answer."""
         if self.process is None:
             self.process = _started()
         told, answers = self.process.stdin, self.process.stdout
         assert told is not None
         assert answers is not None
+        self._asked += 1
         with suppress(BrokenPipeError):
-            told.write(json.dumps([str(given), withheld]) + "\n")
+            told.write(json.dumps([self._asked, str(given), withheld, str(answer)]) + "\n")
             told.flush()
         in_time = select([answers], [], [], TIMEOUT)[0]
         line = answers.readline() if in_time else ""
         if not line:
             self.stop()
-            return None, "the examiner died" if in_time else f"no answer in {TIMEOUT:.0f} s"
-        diagnosis, error = json.loads(line)
-        return diagnosis, error
+            return "the examiner died" if in_time else f"no answer in {TIMEOUT:.0f} s"
+        number, code = json.loads(line)
+        assert number == self._asked
+        return f"exit code {code}" if code else None
 
     def stop(self) -> None:
         """End the process and what it has forked."""
@@ -95,34 +119,50 @@ def _started() -> subprocess.Popen[str]:
 
 
 def serve() -> None:
-    """Answer every line of standard input with a line, until there are no more."""
+    """Answer every line of standard input, a question, with its number and an exit code."""
     from studies.diagnosis_files import content_of  # loaded once, before any fork
 
     for line in sys.stdin:
-        given, withheld = json.loads(line)
+        number, given, withheld, answer = json.loads(line)
         child = os.fork()
         if child == 0:
-            code = 1
+            os.dup2(2, 1)  # what a library may print is no answer
             try:
-                _say(_diagnosed(content_of, Path(given), tuple(withheld)))
-                code = 0
-            finally:
-                os._exit(code)
-        _, status = os.waitpid(child, 0)
-        if status:
-            _say((None, f"exit code {os.waitstatus_to_exitcode(status)}"))
+                _answer(content_of, Path(given), tuple(withheld), Path(answer))
+            except BaseException:
+                traceback.print_exc()
+                os._exit(1)
+            os._exit(0)
+        code = _ended(child)
+        if code is None:
+            return
+        with suppress(BrokenPipeError):  # nobody is left to hear it, as the next line will tell
+            sys.stdout.write(json.dumps([number, code]) + "\n")
+            sys.stdout.flush()
 
 
-def _diagnosed(
-    content_of: Callable[[Request], dict[str, Any]], given: Path, withheld: tuple[str, ...]
-) -> Answer:
+def _answer(
+    content_of: Callable[[Request], dict[str, Any]],
+    given: Path,
+    withheld: tuple[str, ...],
+    answer: Path,
+) -> None:
     os.chdir(given)
+    said: Answer
     try:
-        return content_of(Request(logs=(Path(LOG),), without=withheld)), None
+        said = content_of(Request(logs=(Path(LOG),), without=withheld)), None
     except Exception as error:
-        return None, f"{type(error).__name__}: {error}"
+        said = None, f"{type(error).__name__}: {error}"
+    answer.write_text(json.dumps(said, allow_nan=False), encoding="utf-8")
 
 
-def _say(answer: Answer) -> None:
-    sys.stdout.write(json.dumps(answer, allow_nan=False) + "\n")
-    sys.stdout.flush()
+def _ended(child: int) -> int | None:
+    """A fork's exit code; None, and the fork killed, once whoever asked is gone."""
+    while True:
+        pid, status = os.waitpid(child, os.WNOHANG)
+        if pid:
+            return os.waitstatus_to_exitcode(status)
+        if select([sys.stdin], [], [], POLL)[0]:  # no more is said before an answer: it is the end
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+            return None

@@ -6,6 +6,10 @@ import json
 import os
 import shutil
 import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -14,6 +18,7 @@ from studies.blind import examiner
 from studies.blind.examiner import LOG, ask
 from studies.blind.record import diagnose
 from studies.experiment import RunConfig, simulate
+from tests.helpers import ROOT
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +61,53 @@ def test_after_an_examiner_has_died_another_answers(given: Path) -> None:
     os.killpg(process.pid, signal.SIGKILL)
     assert ask(given) == (None, "the examiner died")
     assert ask(given)[1] is None
+
+
+def test_threads_and_interrupted_questions_get_their_own_answers(
+    given: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = ask(given)
+    with ThreadPoolExecutor(2) as pool:
+        answers = list(pool.map(ask, [given, tmp_path, given, tmp_path]))
+    assert answers[0] == answers[2] == whole
+    assert all(answer is None and LOG in error for answer, error in answers[1::2])
+
+    def interrupted(*lists: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(examiner, "select", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            ask(tmp_path)
+    assert ask(given) == whole
+
+
+def test_an_examiner_ends_with_whoever_asked_and_its_fork_with_it(given: Path) -> None:
+    asker = subprocess.Popen(
+        [sys.executable, "-c", ASK, str(given)], stdout=subprocess.PIPE, cwd=ROOT, text=True
+    )
+    assert asker.stdout is not None
+    group = int(asker.stdout.readline())
+    asker.kill()
+    asker.communicate()
+    for _ in range(200):
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.05)
+    pytest.fail(f"processes of group {group} are left")
+
+
+ASK = """
+import sys, threading
+from pathlib import Path
+from studies.blind import examiner
+threading.Thread(target=examiner.ask, args=(Path(sys.argv[1]),), daemon=True).start()
+while examiner._examiner().process is None: pass
+print(examiner._examiner().process.pid, flush=True)
+threading.Event().wait()
+"""
 
 
 def test_no_answer_in_time_is_an_answer(given: Path, monkeypatch: pytest.MonkeyPatch) -> None:

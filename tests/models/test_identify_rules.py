@@ -95,3 +95,13 @@ def test_a_robot_that_hardly_moved_is_not_called_sound(seconds: float, said: boo
     told = [text for text in diagnosed(frame).not_checked if "of free motion" in text]
     assert bool(told) == said
     assert all(text.startswith("motion of robots 1:") for text in told)
+
+
+@pytest.mark.parametrize("rows", [1, 2])
+def test_a_robot_that_was_never_free_keeps_nobody_from_a_diagnosis(rows: int) -> None:
+    """Two poses make no window."""
+    frame = table(11, {})
+    other = frame[frame["robot"] == 0].iloc[:rows].assign(robot=9)
+    found = diagnosed(pd.concat([frame, other], ignore_index=True))
+    assert names(found) == []
+    assert not found.unexplained

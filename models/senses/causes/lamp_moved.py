@@ -14,9 +14,7 @@ FAR = 1.3
 """m that a lamp is looked for from where it should stand: across the arena."""
 APART = 0.13
 """m between the places tried."""
-
-
-ELSEWHERE = 0.001
+DOUBT = 0.001
 """Of how far it was moved, error of its place: other parts of the captured table tell of it, each
 wrong by a little of its own."""
 
@@ -36,8 +34,8 @@ CAUSE = SenseCause(
     name="lamp_moved",
     meaning="the lamp stands elsewhere than believed",
     parameters=(
-        Parameter(name="x", unit="m", null=0.0, low=-3.0, high=3.0, step=0.002, doubt=ELSEWHERE),
-        Parameter(name="y", unit="m", null=0.0, low=-3.0, high=3.0, step=0.002, doubt=ELSEWHERE),
+        Parameter(name="x", unit="m", null=0.0, low=-3.0, high=3.0, step=0.002, doubt=DOUBT),
+        Parameter(name="y", unit="m", null=0.0, low=-3.0, high=3.0, step=0.002, doubt=DOUBT),
     ),
     sense=_sense,
     kind="ls",
