@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from embedded_sim.model import FloatArray
 from models.causes.cause import Cause, Parameter
-from models.causes.command_latency import ELSEWHERE, FEIGNS
+from models.causes.command_latency import ELSEWHERE, FEIGNS, UNSURE
 from models.causes.motion import Motion
 
 
@@ -26,6 +26,7 @@ CAUSE = Cause(
             high=1.0,
             step=1e-3,
             elsewhere=ELSEWHERE,
+            unsure=UNSURE,
         ),
     ),
     change=_change,

@@ -70,7 +70,7 @@ def values(
         )
     found = []
     for p, u, h in zip(term.cause.parameters, coordinates - mean, half, strict=True):
-        rough = np.hypot(p.doubt * abs(u), feigned)
+        rough = np.hypot.reduce([p.doubt * abs(u), p.unsure, feigned])
         h = float(np.hypot(h, NOMINAL * rough))
         low, value, high = (p.value(float(np.clip(v, *p.bounds))) for v in (u - h, u, u + h))
         found.append(Value(p.name, value, low, high, p.unit))
