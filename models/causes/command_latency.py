@@ -14,8 +14,8 @@ UNSURE = 3e-4
 """s: in searching swarms whose latency was 2 to 25 ms it came out up to 0.7 ms short."""
 FEIGNS = {"weak_motor": 0.04, "motor_lag": 0.002}
 """Beside late commands or poses, in swarms whose latency was 2 to 25 ms: motors seemed up to 15 %
-weaker and to lag by up to 8 ms, and latency as much shorter. By itself it is told within 0.5 ms. A
-quarter of that, for names begin at 4.5 such deviations."""
+weaker and to lag by up to 8 ms, and latency up to 5 ms shorter; by itself it is told within 0.7 ms.
+A quarter of the former, for names begin at 4.5 such deviations."""
 
 
 def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:

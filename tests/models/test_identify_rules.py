@@ -10,13 +10,15 @@ import pytest
 
 from embedded_sim import replay
 from models.causes import Motion, causes
+from models.causes.command_latency import FEIGNS
 from models.identify.fit import Problem
 from models.identify.hypothesis import Term
 from models.identify.plain import replaced
+from models.identify.select import _Search
 from models.identify.structure import follows
 from models.identify.tracks import TURNED
 from tests.models.small import random_commands
-from tests.models.test_identify import HEALTHY, diagnosed, names, table, tracks
+from tests.models.test_identify import HEALTHY, diagnosed, names, reference, table, tracks
 
 STEP, ROWS = 0.04, 1500
 
@@ -105,3 +107,19 @@ def test_a_robot_that_was_never_free_keeps_nobody_from_a_diagnosis(rows: int) ->
     found = diagnosed(pd.concat([frame, other], ignore_index=True))
     assert names(found) == []
     assert not found.unexplained
+
+
+@pytest.mark.parametrize(
+    ("changes", "feigned"),
+    [({"latency": 0.03}, FEIGNS["weak_motor"]), ({"acceleration": (40.0, 40.0)}, 0.0)],
+)
+def test_what_late_commands_feign_counts_where_they_explain_more(
+    changes: dict[str, object], feigned: float
+) -> None:
+    some = tracks(table(12, {0: replace(HEALTHY, **changes)}, robots=1))
+    problem = Problem(some, [Motion(drive=HEALTHY)])
+    late, weak = (Term(causes()[name], "") for name in ("clock_offset", "weak_motor"))
+    kept = problem.fit((late, weak), [np.array([[0.0, -0.1]])])
+    search = _Search(problem, reference(), swarm=False, shared=())
+    assert search.feigned(kept, weak) == feigned
+    assert _Search(problem, reference(), swarm=False, shared=(late,)).feigned(kept, weak) > 0.0

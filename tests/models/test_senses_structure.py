@@ -59,6 +59,18 @@ def test_what_one_robot_has_is_left_for_that_robot() -> None:
     assert found.unexplained[0].quantity == "time"
 
 
+@pytest.mark.parametrize(("seconds", "told"), [(8.0, False), (40.0, True)])
+def test_what_a_few_seconds_of_readings_tell_is_not_judged(seconds: float, told: bool) -> None:
+    frame = table({})
+    frame.loc[(frame["robot"] == 2) & (frame["t"] > seconds), list(LS)] = np.nan
+    found = examined(frame)
+    assert found.sight is not None
+    mine = found.sight.robots.index(2)
+    light = [one for one in found.structure if one.channel == "light"]
+    assert light
+    assert any(np.isfinite(one.size[mine]) for one in light) == told
+
+
 def test_a_named_cause_stands_beside_what_it_does_not_explain() -> None:
     frame = table({}, everybody=with_senses(lamp_intensity=0.9))
     swing = 0.04 * np.sin(2.0 * np.pi * frame["t"].to_numpy() / 8.0)
