@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from embedded_sim import CONTROL_STEP, SCENARIOS, Behaviour
+from embedded_sim import CONTROL_STEP, SCENARIOS, Behaviour, PointModel
 from embedded_sim.breeding import Breeder, CoEvolution, Fixed
 from embedded_sim.genome import GENOMES, PAPER, Genome
 from embedded_sim.onboard import Swarm
@@ -28,6 +28,7 @@ from reality.effects import parse_effects
 from reality.hardware import lamp_power
 from reality.world import World
 from studies.manoeuvre import Manoeuvre
+from studies.provenance import model_read, versions, write_json
 from studies.recorder import Recorder, RunTables
 
 if TYPE_CHECKING:
@@ -41,6 +42,9 @@ Case = Literal[
     "opposite-to-at-nest",
 ]
 OPPOSITE, NONE, AT_NEST = (SCENARIOS.index(name) for name in ("opposite", "none", "at_nest"))
+
+ANONYMOUS = "log"
+"""Name of a run whose log is diagnosed by somebody who must not know what kind of run it is."""
 
 HALVES: dict[Case, tuple[int, int]] = {
     "no-light": (NONE, NONE),
@@ -117,6 +121,7 @@ def simulate(
     out: Path,
     progress: Callable[[int], None] = lambda step: None,
     unlisted: Mapping[str, Effect] = MappingProxyType({}),
+    name: str | None = None,
 ) -> dict[str, float]:
     """Run one experiment and write its files into an existing directory.
 
@@ -126,6 +131,7 @@ def simulate(
         out: Directory for the tables, `run.json` and `truth.json`.
         progress: Called with the number of control steps done, about once a simulated second.
         unlisted: Effects that may be hidden though the catalogue lacks them.
+        name: Of the run in its tables; None: case, controller and seed.
 
     Returns:
         Totals: deposits, radio messages, wall seconds.
@@ -136,6 +142,8 @@ def simulate(
     """
     began = time.perf_counter()
     hidden = parse_effects(effects, config.robots, unlisted)
+    models = load_models(config.model, config.robots)  # refused if wrong, whoever is to use it
+    inputs = model_read(config.model)
     behaviour = Behaviour()
     world_seed, swarm_seed, evolution_seed, start_seed = np.random.SeedSequence(config.seed).spawn(
         4
@@ -145,10 +153,10 @@ def simulate(
         swarm = Manoeuvre(
             config.controller.removeprefix(PREFIX),
             config.robots,
-            load_models(config.model, config.robots)[0],
+            models[0],
         )
     else:
-        breeder = _breeder(config, behaviour, evolution_seed)
+        breeder = _breeder(config, models, behaviour, evolution_seed)
         starts = np.random.default_rng(start_seed).uniform(0.0, k.START_WITHIN, config.robots)
         start_steps = np.minimum(np.round(starts / CONTROL_STEP), config.steps - 1)
         swarm = Swarm(
@@ -166,7 +174,7 @@ def simulate(
     )
     try:
         with Recorder(
-            out, config.case, run_name(config), config.robots, config.samples
+            out, config.case, name or run_name(config), config.robots, config.samples
         ) as recorder:
             _loop(config, world, swarm, recorder, progress)
             messages = world.radio.messages
@@ -178,7 +186,7 @@ def simulate(
         "radio_messages": float(messages),
         "wall_seconds": time.perf_counter() - began,
     }
-    _write_notes(out, config, hidden, totals)
+    _write_notes(out, config, inputs, hidden, totals)
     return totals
 
 
@@ -187,10 +195,14 @@ def run_name(config: RunConfig) -> str:
     return f"{config.case}-{config.controller}-{config.seed}"
 
 
-def _breeder(config: RunConfig, behaviour: Behaviour, seed: np.random.SeedSequence) -> Breeder:
+def _breeder(
+    config: RunConfig,
+    models: list[PointModel],
+    behaviour: Behaviour,
+    seed: np.random.SeedSequence,
+) -> Breeder:
     if config.controller in FIXED_GENOMES:
         return Fixed(FIXED_GENOMES[config.controller])
-    models = load_models(config.model, config.robots)
     if config.lamp_range is not None:  # a lab would capture its tables from this lamp
         brighter = _lamp_power(config) / k.LAMP_POWER
         models = [replace(model, lamp_gain=model.lamp_gain * brighter) for model in models]
@@ -262,16 +274,19 @@ def _forage(step: int, world: World, swarm: Swarm) -> None:
 
 
 def _write_notes(
-    out: Path, config: RunConfig, hidden: tuple[Hidden, ...], totals: dict[str, float]
+    out: Path,
+    config: RunConfig,
+    inputs: list[dict[str, str]],
+    hidden: tuple[Hidden, ...],
+    totals: dict[str, float],
 ) -> None:
-    from studies.provenance import versions, write_json
-
     write_json(
         out / "run.json",
         {
             "schema": 1,
             "config": config.model_dump(),
             "seed": config.seed,
+            "inputs": inputs,
             "versions": versions(),
             **totals,
         },

@@ -1,19 +1,104 @@
-"""Where a result comes from: versions of what computed it, and JSON written one way."""
+"""Where a result comes from: the program that computed it, the files it read; JSON in one way."""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import platform
+from collections.abc import Iterable
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from models.modelfile import ModelFile
+
+ROOT = Path(__file__).resolve().parents[1]
+ROOMS = ("embedded_sim", "reality", "models", "studies")
+"""Folders of `ROOT` that the program is."""
+SOURCES = (".py", ".c", ".h", ".toml", ".npz", ".json", ".j2")
+"""Endings of what people wrote, and of the data that ships."""
+MADE = ("_core.c", "_optics.c")
+"""Written by cffi, with its own version in it."""
 
 
 def versions() -> dict[str, str]:
-    """Versions of this package, Python and the libraries that results depend on."""
+    """What computed a result: this package, its sources, Python, and libraries that matter."""
+    return dict(_versions())
+
+
+@cache
+def _versions() -> tuple[tuple[str, str], ...]:
     names = ("reality-gap", "pybullet", "numpy", "scipy", "pandas", "pyarrow")
-    return {"python": platform.python_version(), **{name: version(name) for name in names}}
+    return (
+        ("python", platform.python_version()),
+        *((name, version(name)) for name in names),
+        ("program", sources_hash(ROOT / room for room in ROOMS)),
+    )
+
+
+def sources_hash(folders: Iterable[Path]) -> str:
+    """SHA-256 over all sources and shipped data in some folders, by their names and contents."""
+    digest = hashlib.sha256()
+    for folder in folders:
+        for path in sorted(folder.rglob("*")):
+            if path.suffix in SOURCES and path.name not in MADE:
+                name = path.relative_to(folder.parent).as_posix()
+                digest.update(f"{name}\0{file_sha256(path)}\0".encode())
+    return digest.hexdigest()
+
+
+def file_sha256(path: Path) -> str:
+    """SHA-256 of a file's content; a large file is never in memory as a whole."""
+    with path.open("rb") as content:
+        return hashlib.file_digest(content, "sha256").hexdigest()
+
+
+def file_read(option: str, path: Path, name: str | None = None) -> dict[str, str]:
+    """An entry of `inputs`: who asked for a file, what it is called, and what was in it."""
+    return {"option": option, "file": name or str(path), "sha256": file_sha256(path)}
+
+
+def log_read(option: str, log: Path) -> dict[str, str]:
+    """The entry of a measured log, given as a file or as a run's directory."""
+    from models.log import SAMPLES
+
+    return file_read(option, log / SAMPLES if log.is_dir() else log)
+
+
+def model_read(source: str | None, option: str = "--model") -> list[dict[str, str]]:
+    """The entries of a model file, or of the shipped robot of that name, and of its tables.
+
+    Raises:
+        InputError: as `models.modelfile.read_model_file`.
+    """
+    from models.modelfile import DEFAULT, find_model_file, read_model_file
+
+    path = find_model_file(source)
+    file: ModelFile = read_model_file(path)
+    entries = [file_read(option, path, source or DEFAULT)]
+    if file.sensors is not None:
+        tables = path.parent / file.sensors.tables
+        entries.append(file_read(f"{option}: sensors", tables, str(file.sensors.tables)))
+    return entries
+
+
+def model_hash(source: str) -> str:
+    """SHA-256 over a model file and its sensor tables.
+
+    Raises:
+        InputError: as `model_read`.
+    """
+    read = "".join(entry["sha256"] for entry in model_read(source))
+    return hashlib.sha256(read.encode()).hexdigest()
 
 
 def write_json(path: Path, content: object) -> None:
     """Indented JSON with a final newline; NaN is refused."""
-    path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    path.write_bytes(as_json_bytes(content))
+
+
+def as_json_bytes(content: object) -> bytes:
+    """The content of such a file."""
+    return (json.dumps(content, indent=1, allow_nan=False) + "\n").encode()

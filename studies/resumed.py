@@ -6,9 +6,13 @@ import fcntl
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+
+from pydantic import TypeAdapter, ValidationError
 
 from embedded_sim.errors import InputError
+
+Shape = TypeVar("Shape")
 
 
 @contextmanager
@@ -48,5 +52,40 @@ def check_same(out: Path, there: Mapping[str, Any], asked: Mapping[str, Any]) ->
         if there.get(key) != asked.get(key)
     ]
     if differs:
-        expected = "the configuration it was begun with; differs: " + "; ".join(differs)
+        expected = "the configuration and program it was begun with; differs: " + "; ".join(differs)
         raise InputError("--out", out, expected)
+
+
+def check_ours(out: Path, notes: str, folder: str, kind: str) -> None:
+    """Refuse a directory with anything in it that was not begun by this program.
+
+    Args:
+        out: The directory; may be there.
+        notes: The file in it that says what it was begun with.
+        folder: Of its pieces.
+        kind: What the directory is of, as in "a study".
+
+    Raises:
+        InputError: `out` is no directory, or holds something else.
+    """
+    if out.exists() and not out.is_dir():
+        raise InputError("--out", out, "a directory")
+    if not out.is_dir() or (out / notes).exists():
+        return
+    ours = (".lock", folder)
+    strange = [p for p in out.iterdir() if p.name not in ours and not p.match(f".{notes}.part-*")]
+    if strange or any((out / folder).glob("*")):
+        raise InputError("--out", out, f"a new or empty directory, or {kind} to resume")
+
+
+def begun_with(path: Path, shape: type[Shape], kind: str) -> Shape:
+    """What a directory was begun with, out of the JSON that says so.
+
+    Raises:
+        InputError: the file is damaged.
+    """
+    try:
+        return TypeAdapter(shape).validate_json(path.read_bytes())
+    except (OSError, ValidationError):
+        expected = f"the {path.name} of {kind}; it is damaged: restore it, or use another directory"
+        raise InputError("--out", path, expected) from None

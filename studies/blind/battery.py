@@ -12,7 +12,8 @@ from studies.blind.record import Diagnosed, Task, run_trial
 from studies.blind.report import write_report
 from studies.blind.summary import summarise
 from studies.blind.trials import BlindConfig, plan
-from studies.execution import Unfinished, Workers, completed
+from studies.execution import Unfinished, Workers
+from studies.manifest import made
 from studies.output import whole_file
 from studies.progress import Progress
 from studies.provenance import write_json
@@ -57,7 +58,8 @@ def _execute(
     directory: BlindDirectory, workers: Workers, quiet: bool, diagnosed: Diagnosed
 ) -> None:
     """Do the trials that are missing."""
-    tasks = [Task(trial, diagnosed) for trial in directory.pending()]
+    flaws: list[str] = []
+    tasks = [Task(trial, diagnosed) for trial in directory.pending(flaws.append)]
     if not tasks:
         return
     failures = []
@@ -65,8 +67,10 @@ def _execute(
     done = 0.0
     with (
         Progress("trials", total, quiet) as shown,
-        closing(completed(run_trial, tasks, workers, note=shown.say)) as finished,
+        closing(made(run_trial, tasks, workers, note=shown.say)) as finished,
     ):
+        for flaw in flaws:
+            shown.say(flaw)
         for one in finished:
             trial = one.task.trial
             done += trial.seconds

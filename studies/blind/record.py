@@ -17,7 +17,7 @@ from typing import Any
 from studies.blind.examiner import LOG, THREADS, TIMEOUT, Answer, ask
 from studies.blind.trials import Trial
 from studies.blind.unlisted import UNLISTED
-from studies.experiment import simulate
+from studies.experiment import ANONYMOUS, simulate
 
 COMMAND = (sys.executable, "-c", "from studies.cli import main; main()", "diagnose")
 """`realitygap diagnose`, by this interpreter."""
@@ -58,7 +58,8 @@ def run_trial(task: Task) -> dict[str, Any]:
 def record(trial: Trial, run: Path, log: Path) -> None:
     """Simulate in directory `run`, which is gone before anybody diagnoses `log`."""
     run.mkdir()
-    simulate(trial.run, tuple(one.spec for one in trial.hidden), run, unlisted=UNLISTED)
+    specs = tuple(one.spec for one in trial.hidden)
+    simulate(trial.run, specs, run, unlisted=UNLISTED, name=ANONYMOUS)
     shutil.move(run / LOG, log)
     shutil.rmtree(run)
 

@@ -141,6 +141,11 @@ class Trial:
         """Of its file."""
         return f"{self.index:05d}"
 
+    @property
+    def made_from(self) -> dict[str, Any]:
+        """All that its answer is a function of but the program."""
+        return {**self.notes(), "run": self.run.model_dump(mode="json")}
+
     def notes(self) -> dict[str, Any]:
         """As JSON."""
         return {

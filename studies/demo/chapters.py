@@ -17,7 +17,7 @@ from studies.blind.trials import Trial
 from studies.demo.hide import draw, run_seed, seal, unseal
 from studies.demo.story import Size, Story, food_line, gap_line, named_line, table, verdict_line
 from studies.execution import Workers, completed
-from studies.experiment import FIXED_GENOMES, RunConfig
+from studies.experiment import ANONYMOUS, FIXED_GENOMES, RunConfig
 from studies.gain.measure import measure_gain
 from studies.gain.report import write_gain
 from studies.gain.request import GainRequest
@@ -144,7 +144,7 @@ def _name(story: Story, out: Path) -> None:
         given = Path(scratch)
         samples = table(story.before[0], "samples")
         samples = samples[samples["t"] < 60.0 * story.size.log_minutes]
-        samples.to_parquet(given / LOG, index=False)
+        samples.assign(run=ANONYMOUS).to_parquet(given / LOG, index=False)
         story.diagnosis, error = diagnose(given)
         story.failure = error or ""
         if story.diagnosis is not None:

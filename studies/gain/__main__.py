@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Hashable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Optional
@@ -11,9 +12,11 @@ import pandas as pd
 import typer
 from rich.console import Console
 
+from embedded_sim.errors import InputError
 from studies.blind.known import known_effects
-from studies.execution import Workers
+from studies.execution import Unfinished, Workers
 from studies.gain.catalogue import HIDDEN_BY_NATURE, groups, run_catalogue
+from studies.output import whole_file
 from studies.paper.page import number
 
 MOST = 1.3
@@ -38,11 +41,15 @@ def main(
     """Hide every effect, name it from one log, extend the model, and measure on held-out runs."""
     names = tuple(only or (n for n in known_effects() if n not in HIDDEN_BY_NATURE))
     console = Console(highlight=False)
-    planned = groups(names, times=times, runs=runs, minutes=minutes, seed=seed, draws=draws)
-    table = run_catalogue(planned, out, Workers.chosen(jobs, None), console.print)
-    table.to_csv(out / "catalogue.csv", index=False)
-    (out / "catalogue.md").write_text(markdown(table), encoding="utf-8")
-    console.print((out / "catalogue.md").read_text(encoding="utf-8"), markup=False)
+    asked: dict[str, Any] = {"times": times, "runs": runs, "minutes": minutes, "seed": seed}
+    planned = groups(names, **asked, draws=draws)
+    workers = Workers.chosen(jobs, None)
+    table = run_catalogue(planned, {"effects": list(names), **asked}, out, workers, console.print)
+    with whole_file(out / "catalogue.csv", force=True) as part:
+        table.to_csv(part, index=False)
+    with whole_file(out / "catalogue.md", force=True) as part:
+        part.write_text(markdown(table), encoding="utf-8")
+    console.print(markdown(table), markup=False)
 
 
 def markdown(table: pd.DataFrame) -> str:
@@ -90,4 +97,8 @@ def _with_interval(row: Mapping[Hashable, Any], name: str, factor: float, unit: 
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    try:
+        typer.run(main)
+    except (InputError, Unfinished) as error:
+        sys.stderr.write(f"studies.gain: {error}\n")
+        sys.exit(2 if isinstance(error, InputError) else 1)

@@ -10,9 +10,9 @@ from __future__ import annotations
 import json
 import shutil
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +26,8 @@ from reality.effects import catalogue, parse_effects
 from studies.blind.menu import MENU
 from studies.blind.record import diagnose
 from studies.blind.trials import Hidden
-from studies.execution import Workers, completed
-from studies.experiment import Case, RunConfig, simulate
+from studies.execution import Unfinished, Workers
+from studies.experiment import ANONYMOUS, Case, RunConfig, simulate
 from studies.gain.runs import (
     BEFORE,
     EXTENDED,
@@ -40,7 +40,17 @@ from studies.gain.runs import (
 )
 from studies.gain.truth import true_model
 from studies.gain.weigh import weigh
+from studies.manifest import Pieces, made
+from studies.output import whole_file
+from studies.provenance import as_json_bytes, versions, write_json
+from studies.resumed import begun_with, check_ours, check_same, locked
 
+BEGUN = "catalogue.json"
+"""What a catalogue's directory was begun with."""
+GROUPS = "groups"
+"""Folder of its pieces."""
+ANSWER, ERRORS = "answer.json", "errors.parquet"
+"""Files of a piece."""
 ROBOTS = 10
 CROWD = 5
 """Robots of a run that each have an effect of their own."""
@@ -130,7 +140,7 @@ def measure_group(group: Group) -> tuple[dict[str, Any], pd.DataFrame]:
         run, given = Path(scratch) / "run", Path(scratch) / "given"
         run.mkdir()
         given.mkdir()
-        simulate(group.naming, group.specs, run)
+        simulate(group.naming, group.specs, run, name=ANONYMOUS)
         shutil.move(run / SAMPLES, given / SAMPLES)
         shutil.rmtree(run)
         answer, error = diagnose(given)
@@ -169,39 +179,87 @@ def _work(task: tuple[Group, bool]) -> tuple[dict[str, Any], pd.DataFrame]:
 
 def run_catalogue(
     planned: Sequence[Group],
+    asked: Mapping[str, Any],
     out: Path,
     workers: Workers,
     say: Callable[[str], None] = lambda text: None,
 ) -> pd.DataFrame:
-    """Measure what is missing in `out` and return a row per effect."""
-    out.mkdir(parents=True, exist_ok=True)
-    tasks = [
-        (group, healthy)
-        for group, healthy in [(planned[0], True), *((one, False) for one in planned)]
-        if not (out / f"{_name(group, healthy)}.parquet").exists()
-    ]
-    with closing(completed(_work, tasks, workers, note=say)) as finished:
+    """Measure what is missing in `out` and return a row per effect.
+
+    Args:
+        planned: What to measure.
+        asked: What the groups follow from, but for how many there are.
+        out: The catalogue's directory.
+        workers: Where.
+        say: Told in a line of what is done, and of what went wrong.
+
+    Raises:
+        InputError: `out` belongs to another catalogue or program, or is in use.
+        Unfinished: the healthy runs could not be measured.
+        WorkersLost: workers keep dying.
+    """
+    check_ours(out, BEGUN, GROUPS, "a catalogue")
+    with locked(out, GROUPS, "a catalogue"):
+        begun, path = {**asked, **versions()}, out / BEGUN
+        if path.exists():
+            check_same(out, begun_with(path, dict[str, Any], "a catalogue"), begun)
+        else:
+            with whole_file(path) as part:
+                write_json(part, begun)
+        pieces = Pieces(out / GROUPS, "group")
+        failed = _measure(pieces, planned, workers, say)
+        if HEALTHY in failed:
+            raise Unfinished(f"the healthy runs could not be measured: {failed[HEALTHY]}")
+        healthy = _kept(pieces, HEALTHY)[1]
+        done = [group for group in planned if _name(group, False) not in failed]
+        rows = [_rows(group, *_kept(pieces, _name(group, False)), healthy) for group in done]
+    return pd.DataFrame([row for part in rows for row in part])
+
+
+def _measure(
+    pieces: Pieces, planned: Sequence[Group], workers: Workers, say: Callable[[str], None]
+) -> dict[str, str]:
+    """Measure the groups that are missing; returns errors by the name of a group that failed."""
+    tasks = [(planned[0], True), *((one, False) for one in planned)]
+    wanted = {_name(*task): _made_from(*task) for task in tasks}
+    missing = set(pieces.missing(wanted, say))
+    left = [task for task in tasks if _name(*task) in missing]
+    failed = {}
+    with closing(made(_work, left, workers, note=say)) as finished:
         for one in finished:
             name = _name(*one.task)
             if one.value is None:
+                failed[name] = str(one.error)
                 say(f"{name}: {one.error}")
                 continue
             answer, table = one.value
-            (out / f"{name}.json").write_text(json.dumps(answer, indent=1), encoding="utf-8")
-            table.to_parquet(out / f"{name}.parquet")
+            content = {ANSWER: as_json_bytes(answer), ERRORS: table.to_parquet()}
+            pieces.keep(name, wanted[name], content)
             say(f"{name}: done")
-    healthy = pd.read_parquet(out / "healthy.parquet")
-    rows = []
-    for group in planned:
-        path = out / f"{_name(group, False)}.parquet"
-        if path.exists():
-            answer = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
-            rows += _rows(group, answer, pd.read_parquet(path), healthy)
-    return pd.DataFrame(rows)
+    return failed
+
+
+def _kept(pieces: Pieces, name: str) -> tuple[dict[str, Any], pd.DataFrame]:
+    """A whole group's diagnosis and errors."""
+    path = pieces.path(name)
+    answer: dict[str, Any] = json.loads((path / ANSWER).read_bytes())
+    return answer, pd.read_parquet(path / ERRORS)
 
 
 def _name(group: Group, healthy: bool) -> str:
-    return "healthy" if healthy else f"group-{group.index:02d}"
+    return HEALTHY if healthy else f"group-{group.index:02d}"
+
+
+def _made_from(group: Group, healthy: bool) -> dict[str, Any]:
+    """All that a group's errors are a function of but the program."""
+    held = {"runs": group.runs, "minutes": group.minutes, "seed": group.seed}
+    if healthy:
+        return held
+    return {
+        **held,
+        "hidden": [asdict(one) for one in group.hidden],
+        "naming": group.naming.model_dump(mode="json"),
+    }
 
 
 def _rows(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import zlib
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
@@ -12,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from models.modelfile import find_model_file, load_models
 from studies.experiment import Case, Controller, Minutes, Robots, RunConfig, Seed
+from studies.provenance import model_hash
 from studies.settings import checked
 
 StudyName = Literal["paper", "readings"]
@@ -66,7 +66,7 @@ class StudyConfig(BaseModel):
     model: str | None = None
     """Model file on board; None: the shipped nominal e-puck."""
     model_hash: str | None = None
-    """SHA-256 of that file: a study is resumed with the same model only."""
+    """SHA-256 over that file and its sensor tables: a study is resumed with the same model only."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +77,13 @@ class PlannedRun:
     condition: Condition
     index: int
     config: RunConfig
+    model_hash: str | None = None
+    """As the study's."""
+
+    @property
+    def made_from(self) -> dict[str, Any]:
+        """All that its files are a function of but the program."""
+        return {"config": self.config.model_dump(mode="json"), "model_hash": self.model_hash}
 
     @property
     def cost(self) -> float:
@@ -115,6 +122,7 @@ def plan(study: StudyConfig, conditions: tuple[Condition, ...]) -> tuple[Planned
                 model=study.model,
                 **condition.changes,
             ),
+            model_hash=study.model_hash,
         )
         for condition in conditions
         for index in range(study.runs)
@@ -132,5 +140,5 @@ def study_config(**values: Any) -> StudyConfig:
         return config
     load_models(config.model, config.robots)  # refused now, not in every worker
     path = find_model_file(config.model).resolve()
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    digest = model_hash(str(path))
     return config.model_copy(update={"model": str(path), "model_hash": digest})

@@ -1,30 +1,26 @@
 """A study's directory: what was asked, the runs that are finished, and who is writing.
 
 study.json          configuration, versions, every run's seed, the sessions that computed it
-runs/NAME/          one run each, named when it is whole
+runs/NAME/          one run each, with its manifest, named when it is whole
 *.parquet, figures/, report.html   made from the runs
 """
 
 from __future__ import annotations
 
-import json
 import os
-import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Literal, Protocol, TypeVar
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict, Field
 
 from embedded_sim.errors import InputError
 from studies.experiment import RunConfig
-from studies.output import whole_directory, whole_file
+from studies.manifest import Origin, Pieces
+from studies.output import whole_file
 from studies.provenance import versions, write_json
-from studies.resumed import check_same, locked
-
-SCHEMA = 1
-RUN_FILES = ("run.json", "truth.json", "generations.parquet", "deposits.parquet")
+from studies.resumed import begun_with, check_ours, check_same, locked
 
 
 class Planned(Protocol):
@@ -39,6 +35,10 @@ class Planned(Protocol):
         """What is run."""
 
     @property
+    def made_from(self) -> Origin:
+        """All that its files are a function of but the program."""
+
+    @property
     def cost(self) -> float:
         """Expected computing time in any unit."""
 
@@ -47,96 +47,108 @@ Study = TypeVar("Study", bound=BaseModel)
 Run = TypeVar("Run", bound=Planned)
 
 
+class Session(BaseModel):
+    """What one call that computed runs took."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    runs: int
+    simulated_hours: float
+    wall_seconds: float
+    workers: int
+    scheduler: str | None
+    worker_cpu_seconds: float
+    worker_share: float
+    """Of the wall time that the workers were computing."""
+    cores_busy: list[float]
+
+
+class Notes(BaseModel):
+    """The content of `study.json`."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    version: Literal[1] = Field(default=1, alias="schema")
+    configuration: dict[str, Any]
+    versions: dict[str, str]
+    seeds: dict[str, int]
+    sessions: list[Session] = []
+
+
 class StudyDirectory(Generic[Study, Run]):
     """The directory, held by one process at a time."""
 
     def __init__(self, out: Path, study: Study, runs: tuple[Run, ...]) -> None:
         self.out, self.study, self.runs = out, study, runs
-        self._notes: dict[str, Any] = {
-            "schema": SCHEMA,
-            "configuration": study.model_dump(mode="json"),
-            "versions": versions(),
-            "seeds": {run.name: run.config.seed for run in runs},
-            "sessions": [],
-        }
+        self._pieces = Pieces(out / "runs", "run")
+        self._notes = Notes(
+            configuration=study.model_dump(mode="json"),
+            versions=versions(),
+            seeds={run.name: run.config.seed for run in runs},
+        )
 
     @contextmanager
     def held(self) -> Iterator[StudyDirectory[Study, Run]]:
         """Make or resume the directory and keep other studies out of it.
 
         Raises:
-            InputError: it belongs to another configuration, to something else, or is in use.
+            InputError: it belongs to another configuration or program, to something else, or is in
+                use; or what says so is damaged.
         """
-        self._refuse_strangers()
+        check_ours(self.out, "study.json", "runs", "a study")
+        parent = next(p for p in self.out.absolute().parents if p.exists())
+        if not os.access(parent, os.W_OK | os.X_OK):
+            raise InputError("--out", self.out, f"a writable directory ({parent} is not)")
         with locked(self.out, "runs", "a study"):
             self._resume()
             yield self
 
     def path(self, run: Run) -> Path:
         """Where a run's files are."""
-        return self.out / "runs" / run.name
+        return self._pieces.path(run.name)
 
-    def pending(self) -> list[Run]:
-        """Runs that are not whole, longest first; remains of killed ones are removed."""
-        for remains in (self.out / "runs").glob(".*"):
-            shutil.rmtree(remains, ignore_errors=True)
-        left = []
-        for run in self.runs:
-            path = self.path(run)
-            if not all((path / name).is_file() for name in RUN_FILES):
-                shutil.rmtree(path, ignore_errors=True)
-                left.append(run)
-        return sorted(left, key=lambda run: -run.cost)
+    def pending(self, note: Callable[[str], None] = lambda line: None) -> list[Run]:
+        """Runs that are not whole, longest first; remains and what is no run of it are removed.
+
+        Args:
+            note: Told in a line of each run that is made anew, and why.
+        """
+        wanted = {run.name: run.made_from for run in self.runs}
+        missing = set(self._pieces.missing(wanted, note))
+        return sorted((run for run in self.runs if run.name in missing), key=lambda run: -run.cost)
 
     def keep(self, run: Run, files: dict[str, bytes]) -> None:
         """Write a finished run; its directory appears when it is whole."""
-        with whole_directory(self.path(run)) as part:
-            for name, content in files.items():
-                (part / name).write_bytes(content)
+        self._pieces.keep(run.name, run.made_from, files)
 
     @property
     def sessions(self) -> list[dict[str, Any]]:
         """What each call that computed runs took."""
-        return list(self._notes["sessions"])
+        return [session.model_dump() for session in self._notes.sessions]
 
-    def add_session(self, session: dict[str, Any]) -> None:
+    def add_session(self, session: Session) -> None:
         """Remember what computing took."""
-        self._notes["sessions"].append(session)
+        self._notes.sessions.append(session)
         self._write()
 
     @property
     def notes(self) -> dict[str, Any]:
         """The content of `study.json`."""
-        return dict(self._notes)
-
-    def _refuse_strangers(self) -> None:
-        if self.out.exists() and not self.out.is_dir():
-            raise InputError("--out", self.out, "a directory")
-        if (
-            self.out.is_dir()
-            and not (self.out / "study.json").exists()
-            and any(path.name not in (".lock", "runs") for path in self.out.iterdir())
-        ):
-            raise InputError("--out", self.out, "a new or empty directory, or a study to resume")
-        parent = next(p for p in self.out.absolute().parents if p.exists())
-        if not os.access(parent, os.W_OK | os.X_OK):
-            raise InputError("--out", self.out, f"a writable directory ({parent} is not)")
+        return self._notes.model_dump(by_alias=True)
 
     def _resume(self) -> None:
         path = self.out / "study.json"
         if not path.exists():
             self._write()
             return
-        try:
-            there = json.loads(path.read_text(encoding="utf-8"))
-            found = {**there["configuration"], **there["versions"]}
-            sessions = list(there["sessions"])
-        except (OSError, ValueError, KeyError, TypeError):
-            raise InputError("--out", path, "the study.json of a study") from None
-        asked = {**self._notes["configuration"], **self._notes["versions"]}
-        check_same(self.out, found, asked)
-        self._notes["sessions"] = sessions
+        there, asked = begun_with(path, Notes, "a study"), self._notes
+        check_same(
+            self.out,
+            {**there.configuration, **there.versions},
+            {**asked.configuration, **asked.versions},
+        )
+        self._notes.sessions = there.sessions
 
     def _write(self) -> None:
         with whole_file(self.out / "study.json", force=True) as part:
-            write_json(part, self._notes)
+            write_json(part, self.notes)

@@ -8,11 +8,12 @@ from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
-from studies.execution import Unfinished, Workers, completed
+from studies.execution import Unfinished, Workers
 from studies.experiment import simulate
 from studies.machine import Cores
+from studies.manifest import made
 from studies.paper.conditions import PlannedRun
-from studies.paper.directory import Run, Study, StudyDirectory
+from studies.paper.directory import Run, Session, Study, StudyDirectory
 from studies.paper.tally import Tally
 
 
@@ -45,9 +46,10 @@ def execute(
     Raises:
         RunsFailed: some runs raised; the others are kept.
         WorkersLost: workers keep dying.
-        InputError: the scheduler does not answer.
+        InputError: the scheduler does not answer, or a worker has another program.
     """
-    pending = directory.pending()
+    flaws: list[str] = []
+    pending = directory.pending(flaws.append)
     if not pending:
         return
     began, cores = time.perf_counter(), Cores()
@@ -56,8 +58,10 @@ def execute(
     try:
         with (
             Tally(directory.runs, pending, quiet=quiet) as tally,
-            closing(completed(work, pending, workers, note=tally.say)) as runs,
+            closing(made(work, pending, workers, note=tally.say)) as runs,
         ):
+            for flaw in flaws:
+                tally.say(flaw)
             for done in runs:
                 if done.value is None:
                     failures.append(f"{done.task.name}: {done.error}")
@@ -71,16 +75,16 @@ def execute(
     finally:
         wall = time.perf_counter() - began
         directory.add_session(
-            {
-                "runs": kept,
-                "simulated_hours": round(hours, 4),
-                "wall_seconds": round(wall, 2),
-                "workers": side_by_side,
-                "scheduler": workers.scheduler,
-                "worker_cpu_seconds": round(spent, 2),
-                "worker_share": round(spent / (wall * max(side_by_side, 1)), 4),
-                "cores_busy": cores.busy(),
-            }
+            Session(
+                runs=kept,
+                simulated_hours=round(hours, 4),
+                wall_seconds=round(wall, 2),
+                workers=side_by_side,
+                scheduler=workers.scheduler,
+                worker_cpu_seconds=round(spent, 2),
+                worker_share=round(spent / (wall * max(side_by_side, 1)), 4),
+                cores_busy=cores.busy(),
+            )
         )
     if failures:
         raise RunsFailed(f"{len(failures)} runs failed, first {failures[0]}")

@@ -5,19 +5,20 @@ from __future__ import annotations
 import json
 import shutil
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from embedded_sim.errors import InputError
-from models.modelfile import read_model_file
+from models.extension import Extension
+from models.modelfile import find_model_file, read_model_file
 from reality.effects import parse_effects
-from studies.altered import MODEL, Files, read_files
+from studies.altered import Files, read_files
 from studies.blind.examiner import LOG
 from studies.blind.record import COMMAND, diagnose
-from studies.experiment import RunConfig, simulate
+from studies.diagnosis_files import write_extended
+from studies.experiment import ANONYMOUS, RunConfig, simulate
 from studies.oracle import write_oracle
-from studies.output import whole_directory
 from studies.transfer.alterations import Alteration
 
 
@@ -43,7 +44,7 @@ def record_and_diagnose(task: Preparation) -> Files:
         run, given = Path(scratch) / "run", Path(scratch) / "given"
         run.mkdir()
         given.mkdir()
-        simulate(task.config, task.alteration.effects, run)
+        simulate(task.config, task.alteration.effects, run, name=ANONYMOUS)
         shutil.move(run / LOG, given / LOG)
         shutil.rmtree(run)
         _, error = diagnose(given, command=task.command)
@@ -52,27 +53,29 @@ def record_and_diagnose(task: Preparation) -> Files:
         return read_files(given / "diagnosis")
 
 
-def keep_given(extended: str, folder: Path) -> None:
-    """Copy a given extended model and its sensor tables.
+def given_model(extended: str) -> Files:
+    """A given extended model and its sensor tables.
 
     Raises:
         InputError: it is no model file.
     """
-    source = Path(extended)
+    source = find_model_file(extended)
     model = read_model_file(source)
-    if not source.is_file() or model.sensors is None:
-        raise InputError("--extended", extended, "a model file with [sensors]")
-    with whole_directory(folder) as part:
-        tables = source.parent / model.sensors.tables
-        (part / model.sensors.tables).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(tables, part / model.sensors.tables)
-        shutil.copyfile(source, part / MODEL)
+    minimal, extension = model.model_copy(update={"extension": None}), model.extension
+    return _written(lambda part: write_extended(minimal, source, extension or Extension(), part))
 
 
-def keep_oracle(alteration: Alteration, robots: int, folder: Path) -> None:
+def oracle_model(alteration: Alteration, robots: int) -> Files:
     """The model with the true parameters, which only the study itself can know."""
-    with whole_directory(folder) as part:
-        write_oracle(parse_effects(alteration.effects, robots), part)
+    hidden = parse_effects(alteration.effects, robots)
+    return _written(lambda part: write_oracle(hidden, part))
+
+
+def _written(write: Callable[[Path], None]) -> Files:
+    """What is written into a directory."""
+    with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
+        write(Path(scratch))
+        return read_files(Path(scratch))
 
 
 def diagnosis_of(folder: Path) -> dict[str, Any] | None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from models.modelfile import find_model_file, load_models
 from studies.experiment import (
     FIXED_GENOMES,
     GenomeName,
@@ -17,6 +19,7 @@ from studies.experiment import (
     Trials,
 )
 from studies.paper.conditions import run_seed
+from studies.provenance import model_hash
 from studies.settings import checked
 from studies.transfer.alterations import Alteration
 
@@ -49,6 +52,8 @@ class TransferConfig(BaseModel):
     genome: GenomeName = "paper"
     extended: str | None = None
     """A given extended model; None: diagnosed from a log recorded in the altered reality."""
+    extended_hash: str | None = None
+    """SHA-256 over that file and its sensor tables: a study is resumed with the same only."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,17 @@ class TransferRun:
     """The model on board, or a fixed controller."""
     index: int
     config: RunConfig
+    model: Mapping[str, Any] | None = field(default=None, hash=False)
+    """What the model on board is made from; None: it is the shipped one, or there is none."""
+
+    @property
+    def made_from(self) -> dict[str, Any]:
+        """All that its files are a function of but the program."""
+        return {
+            "config": self.config.model_dump(mode="json"),
+            "effects": self.effects,
+            "model": self.model,
+        }
 
     @property
     def cost(self) -> float:
@@ -107,7 +123,20 @@ def _run(study: TransferConfig, one: Alteration, controller: str, index: int) ->
             trials=1 if fixed else study.trials,
             genome="paper" if fixed else study.genome,
         ),
+        model=model_origin(study, one, controller),
     )
+
+
+def model_origin(study: TransferConfig, one: Alteration, kind: str) -> dict[str, Any] | None:
+    """What the extended or the oracle's model of an alteration is made from; None: neither."""
+    if kind == "oracle":
+        return {"oracle": one.effects, "robots": study.robots}
+    if kind != "extended":
+        return None
+    if study.extended is not None:
+        return {"given": study.extended_hash}
+    log = log_config(study, one)
+    return {"diagnosed": one.effects, "config": log.model_dump(mode="json")}
 
 
 def log_config(study: TransferConfig, one: Alteration) -> RunConfig:
@@ -124,6 +153,11 @@ def transfer_config(**values: Any) -> TransferConfig:
     """The study's configuration.
 
     Raises:
-        InputError: the first value that cannot be used.
+        InputError: the first value that cannot be used, or the given model.
     """
-    return checked(TransferConfig, values)
+    config = checked(TransferConfig, values)
+    if config.extended is None:
+        return config
+    load_models(config.extended, config.robots)  # refused now, before anything is written
+    path = str(find_model_file(config.extended).resolve())
+    return config.model_copy(update={"extended": path, "extended_hash": model_hash(path)})

@@ -6,12 +6,14 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from studies.altered import AlteredRun, Files, keep, read_files, run_altered
-from studies.execution import Workers, completed
+from studies.altered import AlteredRun, Files, run_altered
+from studies.execution import Workers
+from studies.manifest import Pieces, made
 from studies.paper.directory import StudyDirectory
 from studies.paper.execution import RunsFailed, execute
+from studies.progress import Stages
 from studies.transfer import beliefs
-from studies.transfer.plan import TransferConfig, TransferRun, log_config, plan
+from studies.transfer.plan import TransferConfig, TransferRun, log_config, model_origin, plan
 from studies.transfer.report import write_report
 
 
@@ -40,40 +42,40 @@ def run_transfer(
     """
     runs = plan(study)
     with StudyDirectory(out, study, runs).held() as directory:
-        _prepare(study, out, workers)
-        models = {
-            (one.name, kind): read_files(folder_of(out, one.name, kind))
-            for one in study.alterations
-            for kind in ("extended", "oracle")
-        }
+        models = _prepare(study, out, workers, quiet=quiet)
         execute(directory, workers, Work(models), quiet=quiet)
         write_report(directory)
 
 
-def folder_of(out: Path, alteration: str, kind: str) -> Path:
-    """Where a model lies."""
-    return out / "models" / f"{alteration}.{kind}"
-
-
-def _prepare(study: TransferConfig, out: Path, workers: Workers) -> None:
-    """Make the models that are missing."""
-    missing = []
-    for one in study.alterations:
-        oracle, extended = (folder_of(out, one.name, kind) for kind in ("oracle", "extended"))
-        if not oracle.is_dir():
-            beliefs.keep_oracle(one, study.robots, oracle)
-        if extended.is_dir():
-            continue
-        if study.extended is not None:
-            beliefs.keep_given(study.extended, extended)
-        else:
-            missing.append(beliefs.Preparation(one, log_config(study, one)))
-    failures = []
-    with closing(completed(beliefs.record_and_diagnose, missing, workers)) as prepared:
-        for done in prepared:
-            if done.value is None:
-                failures.append(str(done.error))
+def _prepare(
+    study: TransferConfig, out: Path, workers: Workers, *, quiet: bool
+) -> dict[tuple[str, str], Files]:
+    """Every model's files, made where they are missing."""
+    pieces = Pieces(out / "models", "model")
+    by_name = {
+        f"{one.name}.{kind}": (one, kind)
+        for one in study.alterations
+        for kind in ("extended", "oracle")
+    }
+    wanted = {name: model_origin(study, *which) or {} for name, which in by_name.items()}
+    tasks = []
+    with Stages("models", quiet) as shown:
+        for name in pieces.missing(wanted, shown.say):
+            one, kind = by_name[name]
+            if kind == "oracle":
+                pieces.keep(name, wanted[name], beliefs.oracle_model(one, study.robots))
+            elif study.extended is not None:
+                pieces.keep(name, wanted[name], beliefs.given_model(study.extended))
             else:
-                keep(done.value, folder_of(out, done.task.alteration.name, "extended"))
+                tasks.append(beliefs.Preparation(one, log_config(study, one)))
+        failures = []
+        with closing(made(beliefs.record_and_diagnose, tasks, workers, note=shown.say)) as prepared:
+            for done in prepared:
+                name = f"{done.task.alteration.name}.extended"
+                if done.value is None:
+                    failures.append(str(done.error))
+                else:
+                    pieces.keep(name, wanted[name], done.value)
     if failures:
         raise RunsFailed(f"{len(failures)} models could not be made, first: {failures[0]}")
+    return {(one.name, kind): pieces.files(name) for name, (one, kind) in by_name.items()}
