@@ -8,6 +8,8 @@ from typing import Any
 
 from studies.blind.trials import Hidden, Trial
 
+CANNOT_TELL = "cannot_tell"
+"""The verdict on a log that could not have shown what might be wrong."""
 MOST = 0.8
 """Of the robots: naming a swarm-wide cause for so many of them is naming it; our choice."""
 
@@ -22,6 +24,8 @@ class Named:
     """Named for the whole swarm."""
     rivals: tuple[str, ...]
     """Others that the data cannot tell from it; the name is then only a candidate."""
+    exported: bool
+    """It stands in the extended model; if not, the diagnosis saw it and does not rely on it."""
     parameters: Mapping[str, Mapping[str, Any]]
 
 
@@ -38,7 +42,7 @@ class Score:
     wrong: tuple[str, ...]
     """Names given that are not what any of their robots has."""
     healthy: int
-    """Robots with nothing hidden in them or in all."""
+    """Robots with nothing hidden in them or in all; none where the log could not tell."""
     accused: int
     """Of these, those that a cause is named for."""
     inside: tuple[bool, ...]
@@ -66,13 +70,14 @@ def score(trial: Trial, diagnosis: Mapping[str, Any] | None) -> Score:
     affected = {robot for one in trial.hidden for robot in one.robots}
     everywhere = any(not one.robots for one in trial.hidden)
     looked_at = set(range(robots)) if trial.looked_at is None else set(trial.looked_at)
-    healthy = set() if everywhere else looked_at - affected
+    silent = verdict == CANNOT_TELL and not causes  # neither accuses nor acquits
+    healthy = set() if everywhere or silent else looked_at - affected
     accused = {robot for cause in causes for robot in cause.robots if robot in healthy}
     return Score(
         verdict=verdict,
         right=tuple(right),
         among=tuple(among),
-        wrong=tuple(c.name for c in causes if not any(_true(one, c) for one in trial.hidden)),
+        wrong=tuple(c.name for c in causes if not _true(c, trial.hidden)),
         healthy=len(healthy),
         accused=len(accused),
         inside=tuple(inside),
@@ -100,24 +105,23 @@ def of_robots(
     verdict = diagnosis["verdict"]
     if verdict == "unexplained" and not unexplained:
         verdict = "ambiguous"  # if any cause has rivals
-    if verdict != "unexplained" and not causes:
+    if verdict not in ("unexplained", CANNOT_TELL) and not causes:
         verdict = "nothing_wrong"
     return {"verdict": verdict, "causes": causes, "unexplained": unexplained}
 
 
 def named(diagnosis: Mapping[str, Any], robots: int) -> list[Named]:
-    """The causes of a `diagnosis.json`, with their rivals unless the verdict is `named`."""
-    certain = diagnosis["verdict"] == "named"
+    """The causes of a `diagnosis.json`, with their rivals: these decide, whatever the verdict."""
     causes = []
     for cause in diagnosis["causes"]:
         swarm = cause["robots"] == "all"
-        rivals = () if certain else cause.get("alternatives", ())
         causes.append(
             Named(
                 name=str(cause["name"]),
                 robots=frozenset(range(robots) if swarm else cause["robots"]),
                 swarm=swarm,
-                rivals=tuple(str(name) for name in rivals),
+                rivals=tuple(str(name) for name in cause.get("alternatives", ())),
+                exported=bool(cause.get("exported", True)),
                 parameters=cause["parameters"],
             )
         )
@@ -134,8 +138,8 @@ def outcome(trial: Trial, result: Score) -> str:
 
 
 def _right(one: Hidden, cause: Named, robots: int) -> bool:
-    """Named, unambiguously, for the robots that have it and no others."""
-    if cause.rivals or cause.name != one.name or not _same_words(one, cause):
+    """Named, unambiguously, for the robots that have it and no others, and relied on."""
+    if cause.rivals or not cause.exported or not _is(one, cause) or cause.name != one.name:
         return False
     if one.robots:
         return cause.robots == set(one.robots)
@@ -144,18 +148,25 @@ def _right(one: Hidden, cause: Named, robots: int) -> bool:
 
 def _among(one: Hidden, cause: Named) -> bool:
     """One of the candidates for a robot that has it."""
-    return one.name in (cause.name, *cause.rivals) and _touches(one, cause)
+    return _is(one, cause) and any(_has(one, robot) for robot in cause.robots)
 
 
-def _true(one: Hidden, cause: Named) -> bool:
-    """No lie: the effect, or a class that holds it, of robots that have it."""
-    if cause.swarm and one.robots:
-        return False
-    return _among(one, cause) and (cause.name != one.name or _same_words(one, cause))
+def _true(cause: Named, hidden: Sequence[Hidden]) -> bool:
+    """No lie: each of its robots has it, or something of a class that holds it."""
+    return bool(cause.robots) and all(
+        any(_has(one, robot) and _is(one, cause) for one in hidden) for robot in cause.robots
+    )
 
 
-def _touches(one: Hidden, cause: Named) -> bool:
-    return not one.robots or bool(cause.robots & set(one.robots))
+def _has(one: Hidden, robot: int) -> bool:
+    return not one.robots or robot in one.robots
+
+
+def _is(one: Hidden, cause: Named) -> bool:
+    """A cause's name, or a rival's, is an effect's; its own with the right wheel or sensor."""
+    if cause.name == one.name:
+        return _same_words(one, cause)
+    return one.name in cause.rivals
 
 
 def _same_words(one: Hidden, cause: Named) -> bool:

@@ -14,13 +14,13 @@ from studies.blind.left_out import FOLLOWS as LEFT_OUT_FOLLOWS
 from studies.blind.left_out import quantity_right, unknowns
 from studies.blind.limits import LENGTH, detection_limit, share
 from studies.blind.menu import MENU
-from studies.blind.scoring import Score, of_robots, outcome, score
+from studies.blind.scoring import CANNOT_TELL, Score, of_robots, outcome, score
 from studies.blind.trials import Trial
 from studies.blind.unlisted import FOLLOWS
 from studies.provenance import versions
 
 SCHEMA = 1
-ABSTAINED = ("ambiguous", "unexplained", "nothing_wrong", "failed")
+ABSTAINED = ("ambiguous", "unexplained", "nothing_wrong", CANNOT_TELL, "failed")
 """Outcomes that give no name."""
 
 
@@ -109,6 +109,7 @@ def summarise(directory: BlindDirectory) -> dict[str, Any]:
             ),
             "unexplained": _share(r.score.verdict == "unexplained" for r in healthy),
             "nothing_wrong": _share(r.score.verdict == "nothing_wrong" for r in healthy),
+            "cannot_tell": _share(r.score.verdict == CANNOT_TELL for r in healthy),
         },
         "healthy_robots_accused": share(
             sum(r.score.accused for r in listed), sum(r.score.healthy for r in listed)
