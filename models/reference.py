@@ -95,6 +95,8 @@ class Reference(Table):
     gates: Gates = Gates()
     command: str = ""
     """What made it."""
+    inputs: tuple[dict[str, str], ...] = ()
+    """The files it was made from: `option`, `file`, `sha256`."""
 
     def motion(self, believed: Motion) -> Motion:
         """A healthy robot's motion where the model believes another."""

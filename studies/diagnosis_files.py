@@ -34,7 +34,7 @@ from studies.diagnosis_request import Request
 from studies.next_experiment import commands
 from studies.output import whole_directory
 from studies.progress import unseen
-from studies.provenance import write_json
+from studies.provenance import file_read, log_read, model_read, versions, write_json
 
 NO_REFERENCE = "none"
 
@@ -81,12 +81,22 @@ def _content(
     request: Request, log: MeasuredLog, found: Diagnosis
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
     """Of `diagnosis.json`, and the commands that what it proposes takes."""
-    content = as_json(found)
+    content = as_json(found) | {"inputs": _inputs(request), "versions": versions()}
     following: tuple[str, ...] = ()
     if found.proposal is not None:
         following = commands(found.proposal, request, log)
         content["next_experiment"]["commands"] = list(following)
     return content, following
+
+
+def _inputs(request: Request) -> list[dict[str, str]]:
+    """The files that a diagnosis is a function of."""
+    read = [*(log_read("LOG", log) for log in request.logs), *model_read(request.model)]
+    if request.reference is not None and request.reference != NO_REFERENCE:
+        given = Path(request.reference)
+        halves = (given, beside(given))
+        read += [file_read("--reference", half) for half in halves if half.is_file()]
+    return read
 
 
 def examine(

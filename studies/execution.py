@@ -68,7 +68,7 @@ class Workers:
     jobs: int
     """Local processes; unused with a scheduler."""
     scheduler: str | None = None
-    """`tcp://host:port` of a Dask scheduler (extra `[cluster]`)."""
+    """`tls://host:port` or `tcp://host:port` of a Dask scheduler (extra `[cluster]`)."""
 
     @classmethod
     def chosen(cls, jobs: int | None, scheduler: str | None) -> Workers:
@@ -82,7 +82,7 @@ class Workers:
         if scheduler is not None and jobs is not None:
             raise InputError("--jobs", jobs, "--jobs or --scheduler, not both")
         if scheduler is not None and "://" not in scheduler:
-            raise InputError("--scheduler", scheduler, "an address like tcp://host:8786")
+            raise InputError("--scheduler", scheduler, "an address like tls://host:8786")
         return cls(len(os.sched_getaffinity(0)) if jobs is None else jobs, scheduler)
 
     @contextmanager
@@ -210,6 +210,31 @@ def _follow(sentinel: int) -> None:
     os._exit(1)
 
 
+def _security(address: str) -> Any:
+    """The certificates of Dask's configuration, `distributed.comm.tls`.
+
+    Raises:
+        InputError: there are none though the address needs them, they cannot be read, or the
+            address is open though the configuration requires encryption.
+    """
+    from distributed.security import Security
+
+    try:
+        security: Any = Security()
+        settings = security.get_connection_args("client")
+    except (OSError, ValueError) as error:
+        expected = f"certificates that can be read in Dask's configuration ({error})"
+        raise InputError("--scheduler", address, expected) from None
+    secure = address.startswith("tls://")
+    if secure and settings["ssl_context"] is None:
+        expected = "certificates in Dask's configuration, distributed.comm.tls"
+        raise InputError("--scheduler", address, expected)
+    if settings["require_encryption"] and not secure:
+        expected = "an address tls://..., as Dask's configuration requires encryption"
+        raise InputError("--scheduler", address, expected)
+    return security
+
+
 @contextmanager
 def _cluster(address: str) -> Iterator[tuple[Executor, int]]:
     """The executor of a Dask client."""
@@ -218,8 +243,11 @@ def _cluster(address: str) -> Iterator[tuple[Executor, int]]:
     except ImportError:
         expected = "the extra [cluster] to be installed (dask, distributed)"
         raise InputError("--scheduler", address, expected) from None
+    security = _security(address)
     try:
-        client: Any = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
+        client: Any = Client(
+            address, timeout=CONNECT_SECONDS, set_as_default=False, security=security
+        )
     except (OSError, ValueError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         expected = f"a Dask scheduler that answers ({reason})"

@@ -17,7 +17,7 @@ from models.shares import Share, explained
 from studies.fitness_gap.by_third import CoevolutionGap
 from studies.gap_figures import draw_coevolution, draw_figures
 from studies.gap_words import fitness_line, ranked_maps, summary
-from studies.provenance import write_json
+from studies.provenance import Inputs, versions, write_json
 
 SCHEMA = 1
 MOST_CONDITIONS = 3
@@ -25,7 +25,13 @@ MOST_CONDITIONS = 3
 
 
 def write_gap(
-    log: MeasuredLog, gap: Gap, out: Path, *, name: str, coevolution: CoevolutionGap | None = None
+    log: MeasuredLog,
+    gap: Gap,
+    out: Path,
+    *,
+    name: str,
+    coevolution: CoevolutionGap | None = None,
+    inputs: Inputs = (),
 ) -> dict[str, Any]:
     """Write the report into an existing directory and return what `gap.json` holds.
 
@@ -35,8 +41,9 @@ def write_gap(
         out: Directory.
         name: What the model is called.
         coevolution: The gap in fitness, where the log's run has generations.
+        inputs: The files that were read, of `studies.provenance`.
     """
-    report = describe(log, gap, name=name, coevolution=coevolution)
+    report = describe(log, gap, name=name, coevolution=coevolution) | _provenance(inputs)
     for table, frame, units in _tables(log, gap):
         write_table(frame, out / f"{table}.parquet", units)
     if coevolution is not None:
@@ -46,9 +53,14 @@ def write_gap(
     return report
 
 
-def write_coevolution(found: CoevolutionGap, out: Path) -> dict[str, Any]:
+def _provenance(inputs: Inputs) -> dict[str, Any]:
+    return {"inputs": list(inputs), "versions": versions()}
+
+
+def write_coevolution(found: CoevolutionGap, out: Path, *, inputs: Inputs = ()) -> dict[str, Any]:
     """The report of a directory that has generations but no samples: the gap in fitness alone."""
     report = {"schema": SCHEMA, "coevolution": found.report, "summary": [fitness_line(found)]}
+    report |= _provenance(inputs)
     write_table(found.table, out / "coevolution.parquet", found.units)
     draw_coevolution(found, out)
     write_json(out / "gap.json", report)

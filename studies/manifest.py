@@ -197,5 +197,6 @@ def made(
             program, value = (versions(), None) if one.value is None else one.value
             if differs := _difference(program, versions()):
                 got = f"a worker with {differs}"
-                raise InputError("--scheduler", got, "workers with this very program")
+                expected = "this very program, which does not change while it works"
+                raise InputError(workers.scheduler or "program", got, expected)
             yield Finished(one.task, value, one.error, one.cpu_seconds, one.workers)

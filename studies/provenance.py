@@ -5,14 +5,19 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
+
+from embedded_sim.errors import InputError
 
 if TYPE_CHECKING:
     from models.modelfile import ModelFile
+
+Inputs: TypeAlias = Sequence[dict[str, str]]
+"""Of `file_read`: every file that somebody gave and a result is a function of."""
 
 ROOT = Path(__file__).resolve().parents[1]
 ROOMS = ("embedded_sim", "reality", "models", "studies")
@@ -56,8 +61,15 @@ def file_sha256(path: Path) -> str:
 
 
 def file_read(option: str, path: Path, name: str | None = None) -> dict[str, str]:
-    """An entry of `inputs`: who asked for a file, what it is called, and what was in it."""
-    return {"option": option, "file": name or str(path), "sha256": file_sha256(path)}
+    """An entry of `inputs`: who asked for a file, what it is called, and what was in it.
+
+    Raises:
+        InputError: it cannot be read.
+    """
+    try:
+        return {"option": option, "file": name or str(path), "sha256": file_sha256(path)}
+    except OSError as error:
+        raise InputError(option, path, f"a file that can be read ({error.strerror})") from None
 
 
 def log_read(option: str, log: Path) -> dict[str, str]:

@@ -15,11 +15,12 @@ from embedded_sim.probes import MENU, PREFIX
 from models.identify.healthy import Healthy, fit_inherent, fit_terms, make_reference
 from models.identify.tracks import Tracks, cut_tracks
 from models.log import read_log
-from models.modelfile import read_model_file
+from models.modelfile import load_common, read_model_file
 from models.reference import Reference, write_reference
 from models.senses.reference import beside, write_sense_reference
 from studies.execution import Workers, processes
 from studies.output import check_free, whole_file
+from studies.provenance import log_read, model_read
 from studies.sense_reference_files import sense_reference_of
 
 MINUTES = 2.0
@@ -76,6 +77,8 @@ def write_reference_of(
     check_free(out, force=force)
     check_free(beside(out), force=force)
     model = read_model_file(request.model)
+    load_common(request.model, sensors="declared")  # refused now, not after all runs
+    inputs = (*(log_read("LOG", path) for path in request.logs), *model_read(request.model))
     jobs = Workers.chosen(request.jobs, None).jobs
     done = 0.0
 
@@ -108,7 +111,7 @@ def write_reference_of(
     drive = model.motion().drive
     made = make_reference(swarms, common, model=model.name, drive=drive, command=request.command)
     with whole_file(out, force=force) as part:
-        write_reference(made, part)
+        write_reference(made.model_copy(update={"inputs": inputs}), part)
     if senses is not None:
         with whole_file(beside(out), force=force) as part:
             write_sense_reference(senses, part)

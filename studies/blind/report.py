@@ -93,6 +93,7 @@ def _errors(summary: dict[str, Any]) -> pd.DataFrame:
     rows = {
         "healthy runs: robots accused": healthy["robots_accused"],
         "healthy runs: unexplained": healthy["unexplained"],
+        "healthy runs: the log cannot tell": healthy["cannot_tell"],
         "all runs: robots with nothing wrong, accused": summary["healthy_robots_accused"],
         "wrong names among names given": summary["wrong_names"],
         "intervals that hold the truth": summary["coverage"],

@@ -29,7 +29,10 @@ Genome = Annotated[
 Jobs = Annotated[int | None, typer.Option(help="Processes; all cores if absent.")]
 Scheduler = Annotated[
     str | None,
-    typer.Option(help="tcp://host:port of a Dask scheduler whose workers have this package."),
+    typer.Option(
+        help="tls://host:port of a Dask scheduler whose workers have this program; tcp:// only "
+        "where nobody else can reach it: it runs code for whoever does."
+    ),
 ]
 
 StudyOut = Annotated[

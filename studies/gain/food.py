@@ -33,7 +33,7 @@ def read_transfer(study: Path) -> dict[str, Any]:
             "configuration": content["configuration"],
             "alterations": list(content["alterations"]),
         }
-    except (ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError("--transfer", path, expected) from None

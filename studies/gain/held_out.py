@@ -136,8 +136,11 @@ def _kind(run: Path) -> tuple[str, str] | None:
     path = run / "run.json"
     if not path.is_file():
         return None
-    config = json.loads(path.read_text(encoding="utf-8"))["config"]
-    return config["controller"], config["case"]
+    try:
+        config = json.loads(path.read_text(encoding="utf-8"))["config"]
+        return str(config["controller"]), str(config["case"])
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        raise InputError(str(path), "something else", "the run.json of a run") from None
 
 
 def _notes(run: HeldOut, seen: Sequence[tuple[str, str] | None]) -> dict[str, Any]:

@@ -14,12 +14,12 @@ import pandas as pd
 from models.modelfile import ModelFile
 from studies.execution import Workers, completed
 from studies.gain.compared import read_compared
-from studies.gain.food import read_transfer
+from studies.gain.food import FILE, read_transfer
 from studies.gain.held_out import choose
 from studies.gain.request import GainRequest
 from studies.gain.runs import HEALTHY, Given, Recorded, measure_given, measure_recorded
 from studies.gain.weigh import weigh
-from studies.provenance import versions
+from studies.provenance import file_read, log_read, model_read, versions
 
 SCHEMA = 1
 
@@ -63,10 +63,20 @@ def measure_gain(request: GainRequest, reach: Callable[[float], None] = lambda d
         "errors": weigh(table, seed=request.seed),
         "by_run": _by_run(table),
         "transfer": food,
+        "inputs": _inputs(request),
         "command": request.command,
         "versions": versions(),
     }
     return Gain(content, table)
+
+
+def _inputs(request: GainRequest) -> list[dict[str, str]]:
+    """The files that a gain is a function of."""
+    read = [log_read("--log", path) for path in request.logs]
+    read += model_read(request.extended, "--extended")
+    read += [log_read("--healthy", path) for path in request.healthy]
+    read += [file_read("--transfer", request.transfer / FILE)] if request.transfer else []
+    return read
 
 
 def _collect(

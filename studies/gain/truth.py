@@ -39,7 +39,7 @@ def hidden_in(run: Path) -> tuple[Hidden, ...] | None:
             )
             for one in told
         )
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         raise InputError(str(path), "something else", "the truth.json of a run") from None
 
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import sys
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
 import pytest
 
 from embedded_sim import InputError
@@ -17,7 +20,7 @@ from reality.effects import catalogue, parse_effects
 from studies.blind.battery import run_battery
 from studies.blind.limits import detection_limit, share
 from studies.blind.menu import MENU
-from studies.blind.record import diagnose
+from studies.blind.record import diagnose, record
 from studies.blind.scoring import Score, named, of_robots, outcome, score
 from studies.blind.trials import Hidden, Trial, blind_config, plan
 from studies.execution import Workers
@@ -267,11 +270,44 @@ def test_nothing_in_the_log_tells_what_was_hidden(tmp_path: Path) -> None:
     assert b"latency" in (tmp_path / "truth.json").read_bytes()
 
 
+def test_a_log_that_is_diagnosed_does_not_say_what_kind_of_run_it_is(tmp_path: Path) -> None:
+    """Of the run's column, and of any other text in the file but the light."""
+    one = plan(blind_config(trials=1, seed=7, **SMALL))[0]
+    record(one, tmp_path / "run", tmp_path / "samples.parquet")
+    schema = pq.read_schema(tmp_path / "samples.parquet")
+    assert not schema.metadata
+    table = pd.read_parquet(tmp_path / "samples.parquet")
+    texts = {name for name in table if not pd.api.types.is_numeric_dtype(table[name])}
+    assert texts == {"run", "case"}
+    assert set(table["run"]) == {"log"}
+    assert set(table["case"]) == {one.run.case}
+
+
+def test_damaged_and_foreign_trials_are_made_anew_and_said(
+    battery: tuple[Path, dict[str, Any]], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    out = shutil.copytree(battery[0], tmp_path / "battery")
+    trials = out / "trials"
+    cut = trials / "00001" / "trial.json"
+    cut.write_bytes(cut.read_bytes()[:200])
+    shutil.rmtree(trials / "00002")
+    shutil.copytree(trials / "00003", trials / "00002")
+    config = blind_config(trials=7, seed=2, **SMALL)
+    again = run_battery(config, out, Workers(1), diagnosed=STUB)
+    said = [line for line in capfd.readouterr().err.splitlines() if "made anew" in line]
+    assert said == [
+        "trial 00001 is made anew: its trial.json is not as it was written",
+        "trial 00002 is made anew: it is another's, with index 3, not 2",
+    ]
+    seconds = {"diagnose_seconds": None}
+    assert again | seconds == battery[1] | seconds
+
+
 def test_a_resumed_battery_repeats_nothing_and_may_grow(
     battery: tuple[Path, dict[str, Any]],
 ) -> None:
     out, summary = battery
-    before = {path: path.stat().st_mtime_ns for path in (out / "trials").iterdir()}
+    before = {path: path.stat().st_mtime_ns for path in (out / "trials").glob("*/*")}
     grown = blind_config(trials=8, seed=2, **SMALL)
     again = run_battery(grown, out, Workers(1), quiet=True, diagnosed=STUB)
     assert {path: path.stat().st_mtime_ns for path in before} == before

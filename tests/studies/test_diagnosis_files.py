@@ -38,6 +38,10 @@ def test_a_diagnosis_is_a_json_a_model_and_a_page(log: Path, tmp_path: Path) -> 
     extended = read_model_file(out / "extended.toml")
     assert extended.extension is not None
     assert len(extended.extension.log) == 64
+    assert [one["option"] for one in content["inputs"]] == ["LOG", "--model"]
+    assert [one["file"] for one in content["inputs"]] == [str(log), str(model)]
+    assert content["inputs"][0]["sha256"] == extended.extension.log
+    assert len(content["versions"]["program"]) == 64
     page = (out / "report.html").read_text()
     assert "wheel_radius_mismatch" in page
     assert "http" not in page.replace("http-equiv", "")
@@ -83,6 +87,17 @@ def test_a_missing_reference_is_refused(log: Path, tmp_path: Path) -> None:
         diagnose_files(Request(logs=(log,), reference="nowhere.json"), tmp_path / "out")
     with pytest.raises(InputError, match="LOG"):
         write_reference_of(ReferenceRequest(), tmp_path / "r.json")
+
+
+def test_a_reference_by_a_model_whose_tables_are_missing_is_refused_before_anything_runs(
+    log: Path, tmp_path: Path
+) -> None:
+    model = tmp_path / "mine.toml"
+    robot = "wheel_radius = 0.0205\naxle = 0.053\nbody_radius = 0.035\nwheel_speed_max = 6.28\n"
+    model.write_text(f'name = "x"\n[robot]\n{robot}[sensors]\ntables = "nowhere.npz"\n')
+    request = ReferenceRequest(logs=(log,), model=str(model))
+    with pytest.raises(InputError, match="nowhere"):
+        write_reference_of(request, tmp_path / "r.json")
 
 
 def test_toml_that_is_written_is_read_back() -> None:

@@ -177,6 +177,10 @@ def test_a_lab_measures_on_runs_that_nothing_was_named_from(tmp_path: Path) -> N
     assert content["held_out"] == {"source": "logs", "runs": [{"run": str(later)}], "robots": [1]}
     assert content["healthy"] == "other robots"
     assert content["oracle"] is False
+    read = [(one["option"], one["file"]) for one in content["inputs"]]
+    assert read[:2] == [("--log", str(first)), ("--log", str(later))]
+    assert read[2] == ("--extended", str(extended))
+    assert content["inputs"][0]["sha256"] == file_hash([first])
     found = entry(content["errors"], "heading", "1 s")
     assert found[ORACLE] is None
     assert found["closed"]["value"] > 0.8
@@ -226,6 +230,21 @@ def test_effects_other_than_what_was_hidden_are_refused(tmp_path: Path) -> None:
     (run / "truth.json").write_text('{"effects": []}')
     effects = ("motor_lag:time_constant=0.1,robot=1",)
     with pytest.raises(InputError, match="--effect"):
+        measure_gain(GainRequest(logs=(run,), extended=str(extended), effects=effects))
+
+
+@pytest.mark.parametrize("name", ["run.json", "truth.json"])
+@pytest.mark.parametrize("content", ["", "[]", "[" * 100_000, '{"effects": 3, "config": 3}'])
+def test_damaged_notes_beside_a_log_are_one_clear_line(
+    name: str, content: str, tmp_path: Path
+) -> None:
+    first, _, extended = in_a_lab(tmp_path, ratio(1.0609))
+    run = tmp_path / "run"
+    run.mkdir()
+    first.rename(run / "samples.parquet")
+    (run / name).write_text(content)
+    effects = ("wheel_radius_mismatch:ratio=1.0609,robot=1",)
+    with pytest.raises(InputError, match=f"the {name} of a run"):
         measure_gain(GainRequest(logs=(run,), extended=str(extended), effects=effects))
 
 

@@ -11,6 +11,7 @@ from embedded_sim import Drive, InputError
 from studies.cli import app
 from studies.fitness_gap.by_third import coevolution_gap
 from studies.fitness_gap.generations import read_generations
+from studies.provenance import file_sha256
 from tests.helpers import COMMAND, ENVIRONMENT, ROOT, realitygap
 from tests.models.small import driven_log, shared_data
 
@@ -82,6 +83,10 @@ def test_gap_writes_its_report_and_says_it_in_ten_lines(tmp_path):
     report = json.loads((tmp_path / "gap" / "gap.json").read_text())
     assert report["schema"] == 1
     assert not report["flagged"]
+    log, *model = report["inputs"]
+    assert log["file"] == str(tmp_path / "log.csv")
+    assert log["sha256"] == file_sha256(tmp_path / "log.csv")
+    assert [one["file"] for one in model] == ["epuck", "../captured/epuck.npz"]
     assert 0 < len(report["summary"]) <= 10
     assert done.stdout.splitlines()[:-1] == report["summary"]
     for name in ("horizons", "maps", "windows"):
@@ -111,6 +116,9 @@ def test_a_directory_with_generations_alone_gives_the_gap_in_fitness(tmp_path):
     report = json.loads((tmp_path / "gap" / "gap.json").read_text())
     assert "coevolution" in report
     assert "horizons" not in report
+    generated = tmp_path / "study" / "generations.parquet"
+    assert report["inputs"][0]["file"] == str(generated)
+    assert report["inputs"][0]["sha256"] == file_sha256(generated)
 
 
 EXTENDED = """name = "extended"

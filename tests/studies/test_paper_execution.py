@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -32,9 +33,9 @@ def local(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def _execute(out: Path, workers: Workers, study: StudyConfig = TINY) -> None:
+def _execute(out: Path, workers: Workers, study: StudyConfig = TINY, *, quiet: bool = True) -> None:
     with StudyDirectory(out, study, plan(study, PAPER)).held() as directory:
-        execute(directory, workers, run_files, quiet=True)
+        execute(directory, workers, run_files, quiet=quiet)
 
 
 def _until(condition: Callable[[], object], seconds: float = 300.0) -> None:
@@ -91,6 +92,26 @@ def test_a_killed_study_repeats_only_what_was_unfinished(local: Path, tmp_path: 
     assert {path: path.stat().st_mtime_ns for path in finished} == finished
     tables = {name: digest for name, digest in results(out).items() if name.startswith("runs")}
     assert tables == {n: d for n, d in results(local).items() if n.startswith("runs")}
+
+
+def test_a_study_with_damaged_runs_ends_as_if_they_had_never_been(
+    local: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "study"
+    runs = shutil.copytree(local, out) / "runs"
+    kept = (runs / "fixed-search-00" / "run.json").stat().st_mtime_ns
+    shutil.copy(runs / "at-nest-00" / "generations.parquet", runs / "no-light-00")
+    (runs / "opposite-00" / "generations.parquet").write_bytes(b"")
+    (runs / "fixed-negative-00" / "deposits.parquet").unlink()
+    _execute(out, Workers(1), quiet=False)
+    said = [line for line in capfd.readouterr().err.splitlines() if "made anew" in line]
+    assert said == [
+        "run no-light-00 is made anew: its generations.parquet is not as it was written",
+        "run opposite-00 is made anew: its generations.parquet is not as it was written",
+        "run fixed-negative-00 is made anew: its deposits.parquet is missing",
+    ]
+    assert results(out) == results(local)
+    assert (runs / "fixed-search-00" / "run.json").stat().st_mtime_ns == kept
 
 
 def test_an_interrupted_study_stops_its_workers_keeps_what_is_whole_and_exits_130(

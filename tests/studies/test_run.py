@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import filecmp
+import hashlib
 import json
 import os
 import signal
@@ -15,7 +16,9 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
+from embedded_sim import InputError
 from embedded_sim.genome import CONTINUOUS
+from models.modelfile import find_model_file
 from reality import constants as k
 from studies.experiment import RunConfig, simulate
 from tests.helpers import COMMAND, ROOT, realitygap
@@ -195,6 +198,42 @@ def test_a_broken_model_file_is_refused(tmp_path: Path) -> None:
     done = realitygap("run", "--minutes", "0.1", "--model", model, "--out", tmp_path / "out")
     assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1)
     assert [path.name for path in tmp_path.iterdir()] == ["model.toml"]
+
+
+@pytest.mark.parametrize("controller", ["search", "probe:tour", "coevolution"])
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [(None, "a model file"), ("wheels = 3\n", "wheels"), ("wheels", "readable TOML")],
+)
+def test_whoever_drives_a_model_that_cannot_be_used_is_refused(
+    controller: str, content: str | None, said: str, tmp_path: Path
+) -> None:
+    model, out = tmp_path / "mine.toml", tmp_path / "run"
+    if content is not None:
+        model.write_text(content + find_model_file("epuck").read_text())
+    with pytest.raises(InputError, match=said):
+        run(out, controller=controller, model=str(model), minutes=0.01)
+    assert not list(out.iterdir())
+
+
+def test_a_run_names_the_files_that_it_read_by_their_content(tmp_path: Path) -> None:
+    source = find_model_file("epuck")
+    tables = (source.parent / "../captured/epuck.npz").resolve()
+    model = tmp_path / "mine.toml"
+    model.write_text(source.read_text().replace("../captured/epuck.npz", str(tables)))
+    out = run(tmp_path / "run", controller="search", model=str(model), minutes=0.01)
+    noted = json.loads((out / "run.json").read_text())
+    assert noted["inputs"] == [
+        {"option": "--model", "file": str(model), "sha256": sha256(model)},
+        {"option": "--model: sensors", "file": str(tables), "sha256": sha256(tables)},
+    ]
+    plain = json.loads((run(tmp_path / "plain", minutes=0.01) / "run.json").read_text())
+    assert [one["file"] for one in plain["inputs"]] == ["epuck", "../captured/epuck.npz"]
+    assert plain["versions"]["program"] == noted["versions"]["program"]
+
+
+def sha256(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def test_existing_and_unwritable_output_is_refused(tmp_path: Path) -> None:

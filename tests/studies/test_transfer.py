@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,7 @@ import pandas as pd
 import pytest
 
 from embedded_sim import InputError
-from models.modelfile import load_model, load_models
+from models.modelfile import find_model_file, load_model, load_models
 from reality.effects import parse_effects
 from studies.execution import Workers
 from studies.experiment import RunConfig
@@ -21,7 +22,7 @@ from studies.transfer.alterations import SHIPPED, chosen
 from studies.transfer.beliefs import Preparation, record_and_diagnose
 from studies.transfer.choices import choices
 from studies.transfer.compare import compare
-from studies.transfer.plan import MODELS, log_config, plan, transfer_config
+from studies.transfer.plan import MODELS, TransferConfig, log_config, plan, transfer_config
 from studies.transfer.study import run_transfer
 from studies.transfer.words import reason
 from tests.helpers import realitygap
@@ -79,10 +80,12 @@ def test_the_oracle_believes_what_is_hidden(tmp_path: Path) -> None:
 
 LISTS_AND_ANSWERS = """
 import json, os, pathlib, sys
+import pandas as pd
 there = sorted(os.listdir("."))
+runs = sorted(set(pd.read_parquet("samples.parquet")["run"]))
 out = pathlib.Path(sys.argv[sys.argv.index("--out") + 1])
 out.mkdir()
-(out / "diagnosis.json").write_text(json.dumps({"there": there}))
+(out / "diagnosis.json").write_text(json.dumps({"there": there, "runs": runs}))
 (out / "extended.toml").write_text("")
 """
 
@@ -92,7 +95,8 @@ def test_the_extended_model_is_made_by_a_process_that_has_the_log_alone() -> Non
     task = Preparation(SHIPPED["latency"], config, (sys.executable, "-c", LISTS_AND_ANSWERS))
     files = record_and_diagnose(task)
     assert sorted(files) == ["diagnosis.json", "extended.toml"]
-    assert json.loads(files["diagnosis.json"])["there"] == ["samples.parquet"]
+    given = json.loads(files["diagnosis.json"])
+    assert given == {"there": ["samples.parquet"], "runs": ["log"]}
 
 
 def test_a_failed_diagnosis_is_an_error() -> None:
@@ -158,11 +162,8 @@ def test_the_report_says_why_a_better_model_may_not_bring_more_food() -> None:
     assert "finds as good a one by a wrong S0 (opposite)" in reason(picks)
 
 
-def test_a_tiny_study_runs_resumes_and_reports(tmp_path: Path) -> None:
-    given = tmp_path / "given"
-    given.mkdir()
-    write_oracle(parse_effects((WINDOW,), 2), given)
-    study = transfer_config(
+def _tiny(given: Path) -> TransferConfig:
+    return transfer_config(
         alterations=chosen((WINDOW,), "light-opposite-nest", 2),
         runs=3,
         bars=1,
@@ -173,6 +174,15 @@ def test_a_tiny_study_runs_resumes_and_reports(tmp_path: Path) -> None:
         genome="continuous",
         extended=str(given / "extended.toml"),
     )
+
+
+def test_a_tiny_study_runs_resumes_and_reports(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    given = tmp_path / "given"
+    given.mkdir()
+    write_oracle(parse_effects((WINDOW,), 2), given)
+    study = _tiny(given)
     out = tmp_path / "study"
     run_transfer(study, out, Workers(1), quiet=True)
     report = (out / "transfer.json").read_bytes()
@@ -188,6 +198,30 @@ def test_a_tiny_study_runs_resumes_and_reports(tmp_path: Path) -> None:
     assert by["extended"].tolist() == by["oracle"].tolist()  # the given model is the true one
     run_transfer(study, out, Workers(1), quiet=True)  # nothing is left to do
     assert (out / "transfer.json").read_bytes() == report
+    model = out / "models" / "given.extended" / "extended.toml"
+    model.write_bytes(model.read_bytes()[:100])
+    runs = out / "runs"
+    shutil.copy(runs / "given.oracle-00" / "generations.parquet", runs / "given.search-00")
+    run_transfer(study, out, Workers(1), quiet=False)
+    said = [line for line in capfd.readouterr().err.splitlines() if "made anew" in line]
+    assert said == [
+        "model given.extended is made anew: its extended.toml is not as it was written",
+        "run given.search-00 is made anew: its generations.parquet is not as it was written",
+    ]
+    assert (out / "transfer.json").read_bytes() == report
+    (given / "extended.toml").write_text(f"{(given / 'extended.toml').read_text()}# another\n")
+    with pytest.raises(InputError, match="extended_hash"):
+        run_transfer(_tiny(given), out, Workers(1), quiet=True)
+
+
+def test_a_given_model_that_cannot_be_used_is_refused_before_anything_is_written(
+    tmp_path: Path,
+) -> None:
+    wrong = tmp_path / "extended.toml"
+    wrong.write_text("wheels = 3\n" + find_model_file("epuck").read_text())
+    for extended, said in ((wrong, "wheels"), (tmp_path / "nowhere.toml", "a model file")):
+        with pytest.raises(InputError, match=said):
+            transfer_config(alterations=(SHIPPED["latency"],), extended=str(extended))
 
 
 def test_words_that_cannot_be_used_are_refused(tmp_path: Path) -> None:
