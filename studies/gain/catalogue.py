@@ -28,6 +28,7 @@ from studies.blind.record import diagnose
 from studies.blind.trials import Hidden
 from studies.execution import Unfinished, Workers
 from studies.experiment import ANONYMOUS, Case, RunConfig, simulate
+from studies.gain.catalogue_rows import rows_of
 from studies.gain.runs import (
     BEFORE,
     EXTENDED,
@@ -39,7 +40,6 @@ from studies.gain.runs import (
     plan,
 )
 from studies.gain.truth import true_model
-from studies.gain.weigh import weigh
 from studies.manifest import Pieces, made
 from studies.output import whole_file
 from studies.provenance import as_json_bytes, versions, write_json
@@ -63,18 +63,6 @@ NAMING: tuple[tuple[str, Case], ...] = (
 """Controller and case of the logs that name, in turn."""
 HIDDEN_BY_NATURE = ("floor_tilt",)
 """Effects that no model has a term for: never named."""
-MOTION = (("position", "1 s"), ("heading", "1 s"))
-CHANNELS: dict[str, tuple[tuple[str, str | None], ...]] = {
-    "motion": MOTION,
-    "infrared": (("infrared", None),),
-    "light": (("light", None),),
-    "task": (("nest", None),),
-}
-"""Where effects of a kind show, but for these:"""
-ELSEWHERE: dict[str, tuple[tuple[str, str | None], ...]] = {
-    "ir_noise": (("infrared noise", None),),
-    "ir_rotation": (("infrared", None), ("light", None)),
-}
 
 
 @dataclass(frozen=True)
@@ -212,7 +200,12 @@ def run_catalogue(
             raise Unfinished(f"the healthy runs could not be measured: {failed[HEALTHY]}")
         healthy = _kept(pieces, HEALTHY)[1]
         done = [group for group in planned if _name(group, False) not in failed]
-        rows = [_rows(group, *_kept(pieces, _name(group, False)), healthy) for group in done]
+        rows = [
+            rows_of(
+                group.hidden, group.seed, group.naming, *_kept(pieces, _name(group, False)), healthy
+            )
+            for group in done
+        ]
     return pd.DataFrame([row for part in rows for row in part])
 
 
@@ -260,80 +253,3 @@ def _made_from(group: Group, healthy: bool) -> dict[str, Any]:
         "hidden": [asdict(one) for one in group.hidden],
         "naming": group.naming.model_dump(mode="json"),
     }
-
-
-def _rows(
-    group: Group, answer: dict[str, Any], table: pd.DataFrame, healthy: pd.DataFrame
-) -> list[dict[str, Any]]:
-    """One row per effect of a group."""
-    rows = []
-    for one in group.hidden:
-        mine = table[table["robot"].isin(one.robots)] if one.robots else table
-        errors = {
-            (e["channel"], e["horizon"]): e
-            for e in weigh(pd.concat([mine, healthy], ignore_index=True), seed=group.seed)
-        }
-        kind = catalogue()[one.name].kind
-        candidates = [c for c in ELSEWHERE.get(one.name, CHANNELS[kind]) if c in errors]
-        sensor = str(one.values.get("sensor", "all"))
-        if sensor != "all":
-            candidates.append((f"{'ps' if kind == 'infrared' else 'ls'}{sensor}", None))
-        shows = max(candidates, key=lambda c: _excess(errors[c]))
-        found = errors[shows]
-        rows.append(
-            {
-                "effect": one.name,
-                "hidden": _short(one),
-                "answer": _answer(one, answer),
-                "channel": " ".join(filter(None, shows)),
-                "unit": found["unit"],
-                **{m: _value(found[m]) for m in (BEFORE, HEALTHY, EXTENDED, ORACLE)},
-                **_interval("over_healthy", found["over_healthy"]),
-                **_interval("closed", found["closed"]),
-                **{
-                    f"{channel}_1s": _value(errors[channel, horizon]["over_healthy"])
-                    for channel, horizon in MOTION
-                },
-                "naming": f"{group.naming.controller} {group.naming.case} {group.naming.seed}",
-            }
-        )
-    return rows
-
-
-def _short(one: Hidden) -> str:
-    """Values and robots, to three digits."""
-    values = [f"{k} {v if isinstance(v, str) else format(v, '.3g')}" for k, v in one.values.items()]
-    return ", ".join([*values, *(f"robot {robot}" for robot in one.robots)])
-
-
-def _excess(entry: dict[str, Any]) -> float:
-    """How many times the healthy error the minimal model makes."""
-    if entry[HEALTHY] is None or not entry[HEALTHY]["value"]:
-        return float(entry[BEFORE]["value"] > 0)
-    return float(entry[BEFORE]["value"] / entry[HEALTHY]["value"])
-
-
-def _value(estimate: dict[str, float] | None) -> float:
-    return np.nan if estimate is None else estimate["value"]
-
-
-def _interval(name: str, estimate: dict[str, float] | None) -> dict[str, float]:
-    keys = {"value": name, "low": f"{name}_low", "high": f"{name}_high"}
-    return {to: np.nan if estimate is None else estimate[at] for at, to in keys.items()}
-
-
-def _answer(one: Hidden, answer: dict[str, Any]) -> str:
-    """What the diagnosis said of the robots that an effect was hidden in."""
-    said = [
-        cause
-        for cause in answer["causes"]
-        if cause["robots"] == "all" or not one.robots or set(one.robots) & set(cause["robots"])
-    ]
-    names = [cause["name"] for cause in said]
-    if one.name not in names:
-        rivals = [c["name"] for c in said if one.name in c["alternatives"]]
-        return f"{rivals[0]} or it" if rivals else "as " + " + ".join(names) if names else "nothing"
-    own = next(cause for cause in said if cause["name"] == one.name)
-    with_rivals = f", or {' or '.join(own['alternatives'])}" if own["alternatives"] else ""
-    beside = [name for name in names if name != one.name]
-    return "named" + with_rivals + (f" + {' + '.join(beside)}" if beside else "")

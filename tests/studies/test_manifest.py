@@ -320,25 +320,25 @@ def test_a_catalogue_of_gains_is_resumed_group_by_group_and_never_mixed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(catalogue, "made", _measured)
-    monkeypatch.setattr(catalogue, "_rows", lambda group, *found: [{"group": group.index}])
+    monkeypatch.setattr(catalogue, "rows_of", lambda hidden, *found: [{"effect": hidden[0].name}])
     asked: dict[str, Any] = {"times": 2.0, "runs": 1, "minutes": 0.1, "seed": 1}
     planned = catalogue.groups(("motor_lag", "lamp_moved"), **asked, draws=1)
     out, said = tmp_path / "gains", list[str]()
 
-    def run(seed: int = 1) -> list[int]:
+    def run(seed: int = 1) -> list[str]:
         table = catalogue.run_catalogue(
             planned, {**asked, "seed": seed}, out, Workers(1), said.append
         )
-        return list(table["group"])
+        return list(table["effect"])
 
-    assert run() == [0, 1]
+    assert run() == ["motor_lag", "lamp_moved"]
     assert said == ["healthy: done", "group-00: done", "group-01: done"]
     said.clear()
-    assert run() == [0, 1]
+    assert run() == ["motor_lag", "lamp_moved"]
     assert said == []
     errors = out / "groups" / "group-01" / "errors.parquet"
     errors.write_bytes(errors.read_bytes()[:40])
-    assert run() == [0, 1]
+    assert run() == ["motor_lag", "lamp_moved"]
     why = "group group-01 is made anew: its errors.parquet is not as it was written"
     assert said == [why, "group-01: done"]
     with pytest.raises(InputError, match="seed 1 there, 2 now"):
