@@ -19,10 +19,10 @@ CORE_H := $(wildcard embedded_sim/core/*.h)
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help demo test slow lint bench asan blind clean
+.PHONY: help demo test slow lint bench asan fuzz-core blind clean
 
 help: ## show this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-7s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 demo: $(STAMP) ## the whole story in a few minutes; the page is out/demo/report.html
 	$(BIN)/realitygap demo --out out/demo --force
@@ -43,8 +43,12 @@ lint: $(STAMP) ## style, types, import rules, C formatting
 bench: $(STAMP) ## the benchmarks; numbers in out/bench.json
 	$(BIN)/python -m studies.bench
 
-asan: build/asan/asan_main ## the C core under the address and undefined-behaviour sanitizers
+asan: build/asan/asan_main build/asan/fuzz_main ## the C core under the address and undefined-behaviour sanitizers
 	./$<
+	./build/asan/fuzz_main 20000
+
+fuzz-core: build/asan/fuzz_main ## random structures against the C core; CALLS=1000000 SEED=1
+	./$< $(or $(CALLS),1000000) $(or $(SEED),1)
 
 blind: $(STAMP) ## the blind battery; results in out/blind
 	$(BIN)/realitygap blind --out out/blind
@@ -55,9 +59,10 @@ clean: ## remove the environment, builds and caches; results in out/ stay
 	rm -f embedded_sim/_core.c embedded_sim/_core*.so reality/_optics.c reality/_optics*.so
 	find $(wildcard $(PACKAGES) tests) -name __pycache__ -type d -prune -exec rm -rf {} +
 
-build/asan/asan_main: tests/embedded_sim/asan_main.c $(CORE_C) $(CORE_H)
+build/asan/%: tests/embedded_sim/%.c $(CORE_C) $(CORE_H)
 	@mkdir -p $(@D)
-	$(CC) -std=c11 -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all \
+	$(CC) -std=c11 -g -O1 -fsanitize=address,undefined,float-cast-overflow \
+	    -fno-sanitize-recover=all \
 	    -Wall -Wextra -Werror -Wno-psabi -ffp-contract=off -Iembedded_sim/core $(filter %.c,$^) -o $@ -lm
 
 # A changed packaging file installs anew; changed C only rebuilds the extensions.

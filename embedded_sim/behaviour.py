@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
-from embedded_sim._core import ffi
+from embedded_sim._core import lib
+from embedded_sim.binding import check, refusal, structure
 from embedded_sim.model import CONTROL_STEP, SENSOR_ANGLES
 
 
@@ -39,9 +40,22 @@ class Behaviour:
 
     @cached_property
     def struct(self) -> Any:
-        """The C struct `rg_behaviour`."""
+        """The C struct `rg_behaviour`.
+
+        Raises:
+            InputError: a field that C refuses.
+        """
         values = {name: getattr(self, name) for name in self.__dataclass_fields__}
         values["sensor_cos"] = [math.cos(a) for a in SENSOR_ANGLES]
         values["sensor_sin"] = [math.sin(a) for a in SENSOR_ANGLES]
         values["control_step"] = CONTROL_STEP
-        return ffi.new("rg_behaviour *", values)
+        struct, why = structure("rg_behaviour *", "behaviour", values, _SEVERAL), refusal()
+        check(lib.rg_check_behaviour(struct, why), why)
+        return struct
+
+
+_SEVERAL = {
+    field.name: len(field.default)
+    for field in fields(Behaviour)
+    if isinstance(field.default, tuple)
+}

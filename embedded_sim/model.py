@@ -15,6 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from embedded_sim._core import ffi, lib
+from embedded_sim.binding import check, finite, memory, refusal, structure, whole
+from embedded_sim.errors import InputError
 from embedded_sim.senses import LampGeometry, Senses, worked_in
 from embedded_sim.tables import FloatArray as FloatArray
 from embedded_sim.tables import Tables
@@ -56,8 +58,18 @@ class Drive:
     """1/s, relative loss of speed with time since the log or trial began."""
 
     def struct(self) -> Any:
-        """The C struct `rg_drive`."""
-        return ffi.new("rg_drive *", {f.name: getattr(self, f.name) for f in fields(self)})
+        """The C struct `rg_drive`.
+
+        Raises:
+            InputError: a field that C refuses.
+        """
+        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        struct, why = structure("rg_drive *", "drive", values, _PAIRS), refusal()
+        check(lib.rg_check_drive(struct, why), why)
+        return struct
+
+
+_PAIRS = {field.name: 2 for field in fields(Drive) if isinstance(field.default, tuple)}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -89,19 +101,32 @@ class PointModel:
         """The tables as believed, and the light's as C has them: the circle three times over.
 
         Raises:
-            ValueError: the model has no sensor tables.
+            InputError: the model has no sensor tables, or they cannot be used.
         """
         if self.tables is None:
-            raise ValueError("this model has no sensor tables: expected [sensors] in its file")
+            raise InputError("sensors", "no sensor tables", "[sensors] in the model's file")
+        self._check_numbers()
         geometry = LampGeometry(
             lamp_height=self.lamp_height,
             sensor_height=self.sensor_height,
             body_radius=self.body_radius,
         )
-        tables = worked_in(self.tables, self.senses, geometry, self._farthest)
+        tables = worked_in(self.tables.checked, self.senses, geometry, self._farthest)
         circle = tables.ls_counts
         rows = np.hstack([circle, circle, circle, circle[:, :1]])
         return tables, np.append(rows, np.zeros(lib.RG_AHEAD, rows.dtype))
+
+    def _check_numbers(self) -> None:
+        """Refuse what C cannot be given, or what the tables cannot be worked out from."""
+        self.senses.check()
+        for name in _NUMBERS:
+            finite(name, (getattr(self, name),), 1)
+        finite("nest", self.nest, 3)
+        finite("sensor_angles", self.sensor_angles, SENSORS)
+        if len(self.lamps) != len(SCENARIOS):
+            raise InputError("lamps", f"{len(self.lamps)} places", "one, or None, per scenario")
+        for lamp in filter(None, self.lamps):
+            finite("lamps", lamp, 2)
 
     @property
     def _farthest(self) -> float:
@@ -117,32 +142,39 @@ class PointModel:
         """The C struct `rg_model`; lives as long as this object.
 
         Raises:
-            ValueError: the model has no sensor tables.
+            InputError: the model has no sensor tables, or a field that C refuses.
         """
         struct = ffi.new("rg_model *")
         struct.drive = self.drive.struct()[0]
         self._fill_tables(struct.tables)
+        self._fill_places(struct)
         self._fill_light(struct)
-        struct.body_radius, struct.arena_radius = self.body_radius, self.arena_radius
-        struct.nest_x, struct.nest_y, struct.nest_radius = self.nest
-        struct.food_radius, struct.food_items = self.food_radius, self.food_items
-        angles = [angle + self.senses.rotation for angle in self.sensor_angles]
+        turned = math.remainder(self.senses.rotation, math.tau)
+        angles = [math.remainder(angle + turned, math.tau) for angle in self.sensor_angles]
         struct.sensor_angle = angles
         struct.sensor_cos = [math.cos(a) for a in angles]
         struct.sensor_sin = [math.sin(a) for a in angles]
         struct.ps_gain = [gain * self.senses.wall_albedo for gain in self.senses.ps_gain]
         struct.ps_offset = self.senses.ps_offset
         struct.control_step = CONTROL_STEP
+        why = refusal()
+        check(lib.rg_check_model(struct, why), why)
         return struct
+
+    def _fill_places(self, struct: Any) -> None:
+        struct.body_radius, struct.arena_radius = self.body_radius, self.arena_radius
+        struct.nest_x, struct.nest_y, struct.nest_radius = self.nest
+        struct.food_radius = self.food_radius
+        struct.food_items = whole("food_items", self.food_items)
 
     def _fill_tables(self, struct: Any) -> None:
         t, circle = self._worked_in
         noise = self.senses.ps_noise
-        struct.ps_counts = ffi.from_buffer("float[]", t.ps_counts)
+        struct.ps_counts, struct.ps_floats = memory("float[]", t.ps_counts), t.ps_counts.size
         struct.ps_distances, struct.ps_incidences = t.ps_counts.shape[1:]
         struct.ps_noise = [noise * half for half in t.ps_noise.tolist()]
         struct.ps_noise_floor = noise * t.ps_noise_floor
-        struct.ls_counts = ffi.from_buffer("float[]", circle)
+        struct.ls_counts, struct.ls_floats = memory("float[]", circle), circle.size
         struct.ls_distances, struct.ls_bearings = t.ls_counts.shape
         # a dead sensor is covered: it does not see the room's light either
         struct.ls_dark = [t.ls_dark if gain else t.counts_max for gain in self.senses.ls_gain]
@@ -162,3 +194,14 @@ class PointModel:
         struct.ls_gain = senses.ls_gain
         second = senses.second_lamp or (0.0, 0.0, 0.0)
         struct.second_x, struct.second_y, struct.second_gain = second
+
+
+_NUMBERS = (
+    "body_radius",
+    "arena_radius",
+    "food_radius",
+    "lamp_gain",
+    "lamp_height",
+    "sensor_height",
+)
+"""Fields of a model that are one number each."""

@@ -7,16 +7,20 @@ Between generations a control step is one call into C.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from operator import is_not
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from embedded_sim._core import ffi, lib
 from embedded_sim.behaviour import Behaviour
+from embedded_sim.binding import array, check, memory, refusal
 from embedded_sim.breeding import Bred, Breeder
+from embedded_sim.errors import InputError
 from embedded_sim.genetics import POPULATION
 from embedded_sim.genome import CHOICES
-from embedded_sim.model import CONTROL_STEP, FloatArray
+from embedded_sim.model import CONTROL_STEP, SENSORS, FloatArray
 from embedded_sim.simulator import TRIAL_SECONDS
 
 GENERATION_STEPS = round(60.0 / CONTROL_STEP)
@@ -64,8 +68,14 @@ class Swarm:
             breeder: Co-evolution or a fixed controller.
             behaviour: The controller's constants.
             start_steps: (robots,) control step at which each robot is started by hand.
+
+        Raises:
+            InputError: there is no robot, or the start steps are no whole numbers.
         """
+        start_steps = array("start_steps", start_steps, np.int64, (None,))
         robots = len(start_steps)
+        if not robots:
+            raise InputError("start_steps", "no robots", "at least one")
         self.robots, self._breeder, self._behaviour = robots, breeder, behaviour
         self.commands: FloatArray = np.zeros((robots, 2))
         """rad/s, left and right."""
@@ -90,15 +100,17 @@ class Swarm:
         self._heard_s0: FloatArray = np.zeros((robots, robots))
         self._heard_fitness: FloatArray = np.zeros((robots, robots))
         self._heard_step = np.full((robots, robots), -1, dtype=np.int64)
-        self._running = (
-            ffi.from_buffer("uint8_t[]", self.active),
-            ffi.from_buffer("double[]", self._genomes),
-        )
+        self._running = memory("uint8_t[]", self.active), memory("double[]", self._genomes)
         self._answers = (
-            ffi.from_buffer("double[]", self.commands),
-            ffi.from_buffer("uint8_t[]", self.picked),
-            ffi.from_buffer("uint8_t[]", self.dropped),
+            memory("double[]", self.commands),
+            memory("uint8_t[]", self.picked),
+            memory("uint8_t[]", self.dropped),
         )
+        self._readings = "double[]", np.dtype(np.float64), (robots, SENSORS)
+        self._flags = "uint8_t[]", np.dtype(np.uint8), (robots,)
+        self._given: tuple[Any, ...] = (None,) * 4
+        self._sensed: tuple[Any, ...] = ()
+        self._why = refusal()
         self._controllers = ffi.new("rg_controller[]", robots)
         for i, words in enumerate(seed.generate_state(4 * robots).reshape(robots, 4).tolist()):
             lib.rg_controller_start(ffi.addressof(self._controllers, i), words)
@@ -114,22 +126,30 @@ class Swarm:
             ls: (robots, 8) light counts.
             on_food: (robots,) virtual sensor.
             on_nest: (robots,) virtual sensor.
+
+        Raises:
+            InputError: an array is not of that shape, or not contiguous float64 (flags: uint8), or
+                a reading is not finite.
         """
+        given = ps, ls, on_food, on_nest
+        if any(map(is_not, given, self._given)):
+            self._sensed = self._as_c(*given)
+            self._given = given
         if now >= self._next_due:
             for robot in np.flatnonzero(self._due <= now).tolist():
                 self._turn_over(robot, now)
             self._next_due = int(self._due.min())
-        lib.rg_control_swarm(
+        status = lib.rg_control_swarm(
             self._behaviours,
             self.robots,
             *self._running,
             self._controllers,
-            ffi.from_buffer("double[]", ps),
-            ffi.from_buffer("double[]", ls),
-            ffi.from_buffer("uint8_t[]", on_food),
-            ffi.from_buffer("uint8_t[]", on_nest),
+            *self._sensed,
             *self._answers,
+            self._why,
         )
+        if status:
+            check(status, self._why)
         if self.picked.any():
             self._pickup[self.picked != 0] = now
             self.carrying |= self.picked
@@ -138,8 +158,24 @@ class Swarm:
             for robot in np.flatnonzero(self.dropped).tolist():
                 self._deposit(robot, now)
 
+    def _as_c(self, ps: Any, ls: Any, on_food: Any, on_nest: Any) -> tuple[Any, ...]:
+        """What the robots sense as C has it; the same arrays are not looked at again."""
+        return (
+            _as_it_is("ps", ps, self._readings),
+            _as_it_is("ls", ls, self._readings),
+            _as_it_is("on_food", on_food, self._flags),
+            _as_it_is("on_nest", on_nest, self._flags),
+        )
+
     def hear(self, heard: Flags, now: int) -> None:
-        """Store the present pair of every robot heard; `heard` is (receiver, sender)."""
+        """Store the present pair of every robot heard; `heard` is (receiver, sender).
+
+        Raises:
+            InputError: it is not (robots, robots).
+        """
+        if np.shape(heard) != (self.robots, self.robots):
+            expected = f"shape {(self.robots, self.robots)}"
+            raise InputError("heard", f"shape {np.shape(heard)}", expected)
         receivers, senders = np.nonzero(heard)
         self._heard_s0[receivers, senders] = self._s0[senders]
         self._heard_fitness[receivers, senders] = self._fitness[senders]
@@ -203,3 +239,16 @@ class Swarm:
                 heard=heard,
             )
         )
+
+
+def _as_it_is(field: str, given: Any, expected: tuple[str, Any, tuple[int, ...]]) -> Any:
+    """An array's memory as a C pointer, where type, shape and order are those of C: no copy is made
+    at every step."""
+    kind, dtype, shape = expected
+    if not isinstance(given, np.ndarray):
+        raise InputError(field, type(given).__name__, f"an array of {dtype}, shape {shape}")
+    if given.dtype != dtype or given.shape != shape or not given.flags.c_contiguous:
+        order = "" if given.flags.c_contiguous else ", not contiguous"
+        got = f"{given.dtype} of shape {given.shape}{order}"
+        raise InputError(field, got, f"{dtype} of shape {shape}, contiguous")
+    return ffi.from_buffer(kind, given)

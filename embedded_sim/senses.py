@@ -8,10 +8,13 @@ change no bit.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from embedded_sim._core import lib
+from embedded_sim.binding import finite
+from embedded_sim.errors import InputError
 from embedded_sim.tables import FloatArray, Tables
 
 NONE = (0.0,) * 8
@@ -34,7 +37,7 @@ class Senses:
     wall_albedo: float = 1.0
     """on every reading of the wall."""
     rotation: float = 0.0
-    """rad, counter-clockwise, of the ring of infrared and light sensors."""
+    """rad, counter-clockwise, of the ring of infrared and light sensors; whole turns do nothing."""
     ls_gain: tuple[float, ...] = UNITY
     """(8,) on what every light sensor reads of the lamps; 0: a dead sensor, which is covered and
     does not see the room's light either."""
@@ -53,6 +56,22 @@ class Senses:
     """exponent of the light sensors' response curve, full scale kept."""
     second_lamp: tuple[float, float, float] | None = None
     """x, y (m) and intensity relative to the first lamp's; in every scenario."""
+
+    def check(self) -> None:
+        """Refuse what is no term.
+
+        Raises:
+            InputError: a field is not finite, or has not as many numbers as it should.
+        """
+        for name, count in _COUNTS.items():
+            value = getattr(self, name)
+            if value is not None:
+                finite(f"senses.{name}", value if count > 1 else (value,), count)
+
+
+_SEVERAL = {"ps_gain": 8, "ps_offset": 8, "ls_gain": 8, "lamp_shift": 2, "second_lamp": 3}
+_COUNTS = {field.name: _SEVERAL.get(field.name, 1) for field in fields(Senses)}
+"""How many numbers each field has."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,15 +94,26 @@ def worked_in(
         geometry: Of lamp and robot as captured.
         farthest: m from a robot to a lamp; where it is past the end of the light's table, the table
             is continued.
+
+    Raises:
+        InputError: the table would have too many rows, or hold what is not finite.
     """
     if farthest > tables.ls_range:
         tables = _continued(tables, geometry, farthest)
-    ratio = _law_ratio(tables, senses, geometry)
-    lit: FloatArray = tables.ls_counts.astype(np.float64) * ratio
-    dark = tables.ls_dark - senses.ambient_light * _facing_at_half_a_metre(tables)
-    if senses.light_gamma != 1.0:
-        lit, dark = _through_response(lit * senses.lamp_intensity, dark, tables, senses)
-    return replace(tables, ls_counts=np.ascontiguousarray(lit, dtype=np.float32), ls_dark=dark)
+    with np.errstate(all="ignore"):
+        ratio = _law_ratio(tables, senses, geometry)
+        lit: FloatArray = tables.ls_counts.astype(np.float64) * ratio
+        dark = tables.ls_dark - senses.ambient_light * _facing_at_half_a_metre(tables)
+        if senses.light_gamma != 1.0:
+            lit, dark = _through_response(lit * senses.lamp_intensity, dark, tables, senses)
+        counts = np.ascontiguousarray(lit, dtype=np.float32)
+    if not (np.isfinite(counts).all() and math.isfinite(dark)):
+        terms = ", ".join(f"{name} = {getattr(senses, name)}" for name in _WORKED_IN)
+        raise InputError("senses", terms, "terms that keep the light's table finite")
+    return replace(tables, ls_counts=counts, ls_dark=dark)
+
+
+_WORKED_IN = ("light_exponent", "lamp_height", "ambient_light", "light_gamma", "lamp_intensity")
 
 
 def _law_ratio(tables: Tables, senses: Senses, geometry: LampGeometry) -> FloatArray:
@@ -93,22 +123,25 @@ def _law_ratio(tables: Tables, senses: Senses, geometry: LampGeometry) -> FloatA
     height = geometry.lamp_height if senses.lamp_height is None else senses.lamp_height
     changed = np.sqrt(across + (height - geometry.sensor_height) ** 2)
     # the cosine's distance and the law's: 1 + 2 powers as captured
-    ratio: FloatArray = captured**3.0 / changed ** (1.0 + senses.light_exponent)
+    ratio: FloatArray = captured**3.0 / changed ** np.float64(1.0 + senses.light_exponent)
     return ratio
 
 
 def _continued(tables: Tables, geometry: LampGeometry, farthest: float) -> Tables:
     """The tables with light to a farther end, at nodes spaced as before: it falls there with the
     square of the distance from what the outermost nodes tell."""
-    captured = len(tables.ls_counts)
-    steps = math.ceil((captured - 1) * math.sqrt(farthest / tables.ls_range))
+    captured, bearings = tables.ls_counts.shape
+    wanted = (captured - 1) * math.sqrt(farthest / tables.ls_range)
+    if not (wanted + 2.0) * (3.0 * bearings + 1.0) + lib.RG_AHEAD < lib.RG_TABLE_MAX:
+        raise InputError("lamps", f"{farthest:g} m away", "lamps that the light's table can reach")
+    steps = math.ceil(wanted)
     wider = replace(
         tables,
         ls_counts=np.pad(tables.ls_counts, ((0, steps + 1 - captured), (0, 0))),
         ls_range=tables.ls_range * (steps / (captured - 1)) ** 2,
     )
     across = _across(wider, geometry) + (geometry.lamp_height - geometry.sensor_height) ** 2
-    outermost = slice(captured - OUTERMOST, captured)
+    outermost = slice(max(captured - OUTERMOST, 0), captured)
     power = tables.ls_counts[outermost].sum(axis=0) / (1.0 / across[outermost]).sum(axis=0)
     wider.ls_counts[captured:] = power / across[captured:]
     return wider

@@ -6,14 +6,15 @@ Python crosses into C once per batch. Arrays are C-contiguous float64 unless sai
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from embedded_sim._core import ffi, lib
 from embedded_sim.behaviour import Behaviour
-from embedded_sim.errors import Diverged
+from embedded_sim.binding import array, check, finite, memory, refusal
+from embedded_sim.errors import InputError
 from embedded_sim.model import CONTROL_STEP, SENSORS, Drive, FloatArray, PointModel
 
 TRIAL_SECONDS = 60.0
@@ -62,46 +63,37 @@ def evaluate(
         form: How it is computed; the bits are the same.
 
     Raises:
-        ValueError: shapes disagree, a scenario is not 0, 1 or 2, or the model cannot be run.
+        InputError: shapes disagree, a number is out of range, the model leaves no room for food, or
+            this processor has not that form.
         Diverged: a trial left the finite numbers.
     """
-    genes = np.ascontiguousarray(genomes, dtype=np.float64)
-    if genes.ndim != 2 or genes.shape[1] != 2:
-        raise ValueError(f"genomes: got shape {genes.shape}, expected (trials, 2)")
+    genes = array("genomes", genomes, np.float64, (None, 2))
     trials = len(genes)
-    scenario = _exact(scenarios, np.int32, (trials,), "scenarios")
-    if trials and not 0 <= scenario.min() <= scenario.max() <= 2:
-        raise ValueError(f"scenarios: got {scenario.min()}..{scenario.max()}, expected 0, 1 or 2")
-    seed = _exact(seeds, np.uint32, (trials, 4), "seeds")
+    scenario = array("scenarios", scenarios, np.int32, (trials,))
+    seed = array("seeds", seeds, np.uint32, (trials, 4))
+    (length,) = finite("seconds", (seconds,), 1)
+    longest = lib.RG_STEPS_MAX * CONTROL_STEP
+    if not 0.0 <= length <= longest:
+        raise InputError("seconds", f"{length:g}", f"from 0 to {longest:g} s")
+    if form not in FORMS or not has_form(form):
+        raise InputError("form", form, "a form that this processor has")
     result = Evaluation(np.empty(trials), np.empty(trials, dtype=np.int32))
     trial_set = ffi.new("rg_trials *")
-    trial_set.steps, trial_set.trials = round(seconds / CONTROL_STEP), trials
+    trial_set.steps, trial_set.trials = round(length / CONTROL_STEP), trials
     trial_set.form = FORMS.index(form)
-    trial_set.genomes = _pointer("double[]", genes)
-    trial_set.scenarios = _pointer("int32_t[]", scenario)
-    trial_set.seeds = _pointer("uint32_t[]", seed)
-    trial_set.fitness = _pointer("double[]", result.fitness)
-    trial_set.deposits = _pointer("int32_t[]", result.deposits)
+    trial_set.genomes = memory("double[]", genes)
+    trial_set.scenarios = memory("int32_t[]", scenario)
+    trial_set.seeds = memory("uint32_t[]", seed)
+    trial_set.fitness = memory("double[]", result.fitness)
+    trial_set.deposits = memory("int32_t[]", result.deposits)
     shared = behaviour if isinstance(behaviour, Behaviour) else Behaviour()
     if not isinstance(behaviour, Behaviour):
         if len(behaviour) != trials:
-            raise ValueError(f"behaviour: got {len(behaviour)}, expected one or {trials}")
+            raise InputError("behaviour", f"{len(behaviour)}", f"one or {trials}")
         own = ffi.new("rg_behaviour[]", [each.struct[0] for each in behaviour])
         trial_set.behaviours = own
-    at = ffi.new("int32_t[2]")
-    status = lib.rg_evaluate(model.struct, shared.struct, trial_set, at)
-    if status == lib.RG_BAD_ARGUMENT and not has_form(form):
-        raise ValueError(f"form: got {form}, expected a form that this processor has")
-    if status == lib.RG_BAD_ARGUMENT:
-        most = (lib.RG_COMMAND_SLOTS - 2) * CONTROL_STEP
-        raise ValueError(
-            f"model: got {model.food_items} food items, a nest of {model.nest[2]} m and "
-            f"{model.drive.latency} s of latency, expected at most {lib.RG_FOOD_MAX} items, a nest "
-            f"that leaves room for them, and at most {most:g} s"
-        )
-    if status == lib.RG_NOT_FINITE:
-        genome = genes[at[0]].tolist()
-        raise Diverged(f"the point model diverged in trial {at[0]}, step {at[1]} (genome {genome})")
+    why = refusal()
+    check(lib.rg_evaluate(model.struct, shared.struct, trial_set, why), why)
     return result
 
 
@@ -134,32 +126,32 @@ def replay(
         drive: The motion model.
 
     Raises:
-        ValueError: shapes disagree.
+        InputError: shapes disagree, times fall, or a number is out of range; says which row.
         Diverged: a pose left the finite numbers; says which row.
     """
-    times = np.ascontiguousarray(t, dtype=np.float64)
+    times = array("t", t, np.float64, (None,))
     rows = len(times)
-    command = _exact(commands, np.float64, (rows, 2), "commands")
-    starts = np.ascontiguousarray(start, dtype=np.int64)
+    command = array("commands", commands, np.float64, (rows, 2))
+    starts = array("start", start, np.int64, (None,))
+    if not len(starts):
+        raise InputError("start", "nothing", f"increasing rows from 0 to {rows}")
     segments = len(starts) - 1
-    if segments < 0 or starts[0] != 0 or starts[-1] != rows or np.any(np.diff(starts) < 1):
-        raise ValueError(f"start: got {starts}, expected increasing rows from 0 to {rows}")
-    first = _exact(initial, np.float64, (segments, 3), "initial")
+    first = array("initial", initial, np.float64, (segments, 3))
     result = Replay(np.empty((rows, 3)), np.empty((rows, 2)))
-    at = ffi.new("int64_t *")
+    why = refusal()
     status = lib.rg_replay(
         drive.struct(),
+        rows,
         segments,
-        _pointer("int64_t[]", starts),
-        _pointer("double[]", times),
-        _pointer("double[]", command),
-        _pointer("double[]", first),
-        _pointer("double[]", result.poses),
-        _pointer("double[]", result.speeds),
-        at,
+        memory("int64_t[]", starts),
+        memory("double[]", times),
+        memory("double[]", command),
+        memory("double[]", first),
+        memory("double[]", result.poses),
+        memory("double[]", result.speeds),
+        why,
     )
-    if status == lib.RG_NOT_FINITE:
-        raise Diverged(f"the replay diverged at row {at[0]} (t = {times[at[0]]} s)")
+    check(status, why)
     return result
 
 
@@ -184,44 +176,24 @@ def readings(
     `t`, (rows,) s since the log began, matters to a lamp that decays; None: all at its beginning.
 
     Raises:
-        ValueError: shapes disagree, or the model has no sensor tables.
-        Diverged: a pose is not finite; says which row.
+        InputError: shapes disagree, the model has no sensor tables or cannot be used, or a number
+            is out of range; says which row.
     """
-    pose = np.ascontiguousarray(poses, dtype=np.float64)
-    if pose.ndim != 2 or pose.shape[1] != 3:
-        raise ValueError(f"poses: got shape {pose.shape}, expected (rows, 3)")
+    pose = array("poses", poses, np.float64, (None, 3))
     rows = len(pose)
-    scenario = _exact(scenarios, np.int32, (rows,), "scenarios")
-    if rows and not 0 <= scenario.min() <= scenario.max() <= 2:
-        raise ValueError(f"scenarios: got {scenario.min()}..{scenario.max()}, expected 0, 1 or 2")
-    times = np.zeros(rows) if t is None else _exact(t, np.float64, (rows,), "t")
+    scenario = array("scenarios", scenarios, np.int32, (rows,))
+    times = np.zeros(rows) if t is None else array("t", t, np.float64, (rows,))
     result = Readings(np.empty((rows, SENSORS)), np.empty((rows, SENSORS)))
-    at = ffi.new("int64_t *")
+    why = refusal()
     status = lib.rg_readings(
         model.struct,
         rows,
-        _pointer("double[]", pose),
-        _pointer("int32_t[]", scenario),
-        _pointer("double[]", times),
-        _pointer("double[]", result.ps),
-        _pointer("double[]", result.ls),
-        at,
+        memory("double[]", pose),
+        memory("int32_t[]", scenario),
+        memory("double[]", times),
+        memory("double[]", result.ps),
+        memory("double[]", result.ls),
+        why,
     )
-    if status == lib.RG_NOT_FINITE:
-        raise Diverged(f"a pose is not finite at row {at[0]}")
+    check(status, why)
     return result
-
-
-def _exact(
-    values: npt.ArrayLike, dtype: npt.DTypeLike, shape: tuple[int, ...], name: str
-) -> npt.NDArray[Any]:
-    """The values as a contiguous array of one type and shape, or a ValueError naming them."""
-    array = np.ascontiguousarray(values, dtype=dtype)
-    if array.shape != shape:
-        raise ValueError(f"{name}: got shape {array.shape}, expected {shape}")
-    return array
-
-
-def _pointer(kind: str, array: npt.NDArray[Any]) -> Any:
-    """The array's memory as a C pointer; the caller keeps the array alive."""
-    return ffi.from_buffer(kind, array)

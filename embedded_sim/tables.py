@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
+
+from embedded_sim.binding import array, finite
+from embedded_sim.errors import InputError
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -32,3 +36,27 @@ class Tables:
     """counts, half width of uniform noise."""
     counts_max: float = 4095.0
     """12-bit converter."""
+
+    @cached_property
+    def checked(self) -> Tables:
+        """The same tables, their arrays as C reads them.
+
+        Raises:
+            InputError: an array of another shape, or a number that no sensor reads.
+        """
+        ps = array("tables.ps_counts", self.ps_counts, np.float32, (8, None, None))
+        ls = array("tables.ls_counts", self.ls_counts, np.float32, (None, None))
+        noise = array("tables.ps_noise", self.ps_noise, np.float64, (8,))
+        for name, found in (("ps_counts", ps), ("ls_counts", ls), ("ps_noise", noise)):
+            if found.ndim > 1 and min(found.shape) < 2:
+                expected = "at least two nodes on every axis"
+                raise InputError(f"tables.{name}", f"shape {found.shape}", expected)
+            if not np.isfinite(found).all():
+                raise InputError(f"tables.{name}", "values that are not finite", "finite counts")
+        for name in ("ps_noise_floor", "ls_dark", "ls_noise", "counts_max"):
+            finite(f"tables.{name}", (getattr(self, name),), 1)
+        for name in ("ps_range", "ls_range"):
+            (reach,) = finite(f"tables.{name}", (getattr(self, name),), 1)
+            if reach <= 0.0:
+                raise InputError(f"tables.{name}", f"{reach:g}", "a range above 0 m")
+        return replace(self, ps_counts=ps, ls_counts=ls, ps_noise=noise)

@@ -13,7 +13,7 @@ enum { RG_TOGETHER = 32 };
 #endif
 
 /* Run up to RG_TOGETHER trials of a set, named by their rows, as rg_evaluate does, bit for bit.
- * False: some left the finite numbers, and nothing was written, or this processor has no lanes. */
+ * False: some could not go on, and nothing was written, or this processor has no lanes. */
 int rg_forage_lanes(const rg_model *m, const rg_behaviour *b, rg_trials *set, const int32_t *trials,
                     int count);
 

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "batch.h"
+#include "check.h"
 #include "drive.h"
 #include "realitygap_core.h"
 #include "trial.h"
@@ -88,7 +89,7 @@ static void rg_decide(const rg_model *m, const rg_behaviour *b, const rg_watch *
     rg_steer(b, turn, command);
 }
 
-/* One trial. RG_NOT_FINITE: *at holds the step that diverged. */
+/* One trial. *at holds the step at which one ended that could not go on. */
 static int32_t rg_forage(const rg_model *m, const rg_behaviour *b, rg_trials *set, int32_t trial,
                          int32_t *at) {
     const uint32_t *seed = set->seeds + 4 * trial;
@@ -98,16 +99,20 @@ static int32_t rg_forage(const rg_model *m, const rg_behaviour *b, rg_trials *se
     const double t_max = set->steps * m->control_step;
     rg_forager f;
     memset(&f, 0, sizeof f);
-    rg_begin(m, seed, &f.now, f.food_x, f.food_y);
+    *at = 0;
+    if (!rg_begin(m, seed, &f.now, f.food_x, f.food_y))
+        return RG_NO_ROOM;
     double fitness = 0.0;
     int32_t deposits = 0;
     for (int32_t step = 0; step < set->steps; step++) {
+        *at = step;
         const int32_t before = f.now.controller.food;
         const int item = before ? -1 : rg_food_here(m, &f);
         const int on_nest = before && rg_on_nest(m, f.now.pose[0], f.now.pose[1]);
         rg_handle_food(&f.now.controller, item >= 0, on_nest);
         if (item >= 0) {
-            rg_place_food(m, &f.now.random, &f.food_x[item], &f.food_y[item]);
+            if (!rg_place_food(m, &f.now.random, &f.food_x[item], &f.food_y[item]))
+                return RG_NO_ROOM;
             f.clear = 0.0;
         } else if (on_nest) {
             fitness += t_max - step * m->control_step;
@@ -116,10 +121,8 @@ static int32_t rg_forage(const rg_model *m, const rg_behaviour *b, rg_trials *se
         double command[2];
         rg_decide(m, b, &watch, &f, seed, (uint32_t)step, scenario, command);
         rg_drive_step(m, &cut, &f, command);
-        if (!isfinite(f.now.pose[0] + f.now.pose[1] + f.now.pose[2])) {
-            *at = step;
+        if (!isfinite(f.now.pose[0] + f.now.pose[1] + f.now.heading[0] + f.now.heading[1]))
             return RG_NOT_FINITE;
-        }
     }
     set->fitness[trial] = fitness;
     set->deposits[trial] = deposits;
@@ -136,7 +139,7 @@ static int rg_kind(const rg_model *m, const rg_trials *set, int32_t trial) {
            2 * (rg_third(genome[1]) != 1);
 }
 
-/* All trials in lanes; false: some left the finite numbers. */
+/* All trials in lanes; false: some could not go on. */
 static int rg_side_by_side(const rg_model *m, const rg_behaviour *b, rg_trials *set) {
     int32_t group[RG_TOGETHER];
     int filled = 0;
@@ -152,17 +155,44 @@ static int rg_side_by_side(const rg_model *m, const rg_behaviour *b, rg_trials *
     return filled == 0 || rg_forage_lanes(m, b, set, group, filled);
 }
 
-int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, int32_t at[2]) {
-    if (!rg_can_run(m) || !rg_has_form(set->form))
+static int rg_check_trials(rg_refusal *why, const rg_trials *set) {
+    if (!(rg_within(why, "steps", -1, set->steps, 0.0, RG_STEPS_MAX) &&
+          rg_within(why, "trials", -1, set->trials, 0.0, RG_MANY) &&
+          rg_within(why, "form", -1, set->form, RG_BEST, RG_AVX512) &&
+          rg_there(why, "genomes", set->genomes, set->trials) &&
+          rg_there(why, "scenarios", set->scenarios, set->trials) &&
+          rg_there(why, "seeds", set->seeds, set->trials) &&
+          rg_there(why, "fitness", set->fitness, set->trials) &&
+          rg_there(why, "deposits", set->deposits, set->trials)))
+        return 0;
+    for (int32_t i = 0; i < set->trials; i++)
+        if (!(rg_within(why, "genomes", i, set->genomes[2 * i], RG_ANY) &&
+              rg_within(why, "genomes", i, set->genomes[2 * i + 1], RG_ANY) &&
+              rg_within(why, "scenarios", i, set->scenarios[i], 0.0, RG_SCENARIOS - 1) &&
+              (set->behaviours == NULL || rg_check_behaviour(&set->behaviours[i], why) == RG_OK)))
+            return 0;
+    return 1;
+}
+
+int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, rg_refusal *why) {
+    if (rg_check_model(m, why) != RG_OK || rg_check_behaviour(b, why) != RG_OK ||
+        !rg_check_trials(why, set))
         return RG_BAD_ARGUMENT;
+    if (!rg_has_form(set->form)) {
+        *why = (rg_refusal){"form", -1, 0, set->form, RG_BEST, RG_ONE_BY_ONE};
+        return RG_BAD_ARGUMENT;
+    }
     if (set->trials > 1 && set->form != RG_ONE_BY_ONE && rg_side_by_side(m, b, set))
         return RG_OK;
-    /* also to say which trial left the finite numbers, and when */
-    for (at[0] = 0; at[0] < set->trials; at[0]++) {
-        const rg_behaviour *own = set->behaviours ? &set->behaviours[at[0]] : b;
-        const int32_t status = rg_forage(m, own, set, at[0], &at[1]);
-        if (status != RG_OK)
+    /* also to say which trial could not go on, and when */
+    for (int32_t trial = 0; trial < set->trials; trial++) {
+        const rg_behaviour *own = set->behaviours ? &set->behaviours[trial] : b;
+        int32_t step;
+        const int32_t status = rg_forage(m, own, set, trial, &step);
+        if (status != RG_OK) {
+            *why = (rg_refusal){"trial", trial, step, NAN, -DBL_MAX, DBL_MAX};
             return status;
+        }
     }
     return RG_OK;
 }

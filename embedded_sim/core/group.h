@@ -8,8 +8,8 @@
 #include "group_light.h"
 #include "group_obstacle.h"
 
-/* Food is picked up, replaced and deposited. */
-RG_INLINE void rg_handle_food_v(const rg_model *m, rg_group *g, double worth) {
+/* Food is picked up, replaced and deposited. False: there is no room for it. */
+RG_INLINE int rg_handle_food_v(const rg_model *m, rg_group *g, double worth) {
     const double reach = m->food_radius * m->food_radius;
     rg_m found = (rg_m){0} - 1;
     for (int i = 0; i < m->food_items; i++) {
@@ -22,7 +22,8 @@ RG_INLINE void rg_handle_food_v(const rg_model *m, rg_group *g, double worth) {
     g->food ^= picked | dropped;
     RG_EACH(l, rg_which(picked)) {
         double x, y;
-        rg_place_food(m, &g->random[l], &x, &y);
+        if (!rg_place_food(m, &g->random[l], &x, &y))
+            return 0;
         g->food_x[found[l]][l] = x;
         g->food_y[found[l]][l] = y;
     }
@@ -30,6 +31,7 @@ RG_INLINE void rg_handle_food_v(const rg_model *m, rg_group *g, double worth) {
         g->fitness[l] += worth;
         g->deposits[l]++;
     }
+    return 1;
 }
 
 /* Curvature of search: rg_search, where a stretch ends. */
@@ -76,7 +78,7 @@ RG_INLINE void rg_decide_v(const rg_model *m, rg_group *g, int n, uint32_t step,
     }
 }
 
-/* Runs n groups, whose instructions overlap; whether every number stayed finite. */
+/* Runs n groups, whose instructions overlap; whether all could go on. */
 static int rg_run(const rg_model *m, rg_group *g, int n, int32_t steps) {
     const rg_cut cut = rg_cut_of(m);
     const double t_max = steps * m->control_step;
@@ -84,7 +86,8 @@ static int rg_run(const rg_model *m, rg_group *g, int n, int32_t steps) {
     for (int32_t step = 0; step < steps; step++) {
         rg_v command[RG_GROUPS][2];
         for (int i = 0; i < n; i++)
-            rg_handle_food_v(m, &g[i], t_max - step * m->control_step);
+            if (!rg_handle_food_v(m, &g[i], t_max - step * m->control_step))
+                return 0;
         rg_decide_v(m, g, n, (uint32_t)step, time, command);
         rg_drive_step_v(m, &cut, g, n, step, time, command);
         rg_m wrong = {0};
@@ -107,7 +110,8 @@ int RG_FORAGE_LANES(const rg_model *m, const rg_behaviour *b, rg_trials *set, co
     for (int l = 0; l < n * RG_LANES; l++) {
         const int32_t trial = trials[l < count ? l : 0]; /* lanes left over repeat a trial */
         const rg_behaviour *own = set->behaviours ? &set->behaviours[trial] : b;
-        rg_join(&groups[l / RG_LANES], l % RG_LANES, m, own, set, trial);
+        if (!rg_join(&groups[l / RG_LANES], l % RG_LANES, m, own, set, trial))
+            return 0;
     }
     if (!rg_run(m, groups, n, set->steps))
         return 0;

@@ -34,13 +34,15 @@ RG_INLINE uint64_t rg_group_of(uint64_t trials, int i) {
     return trials >> i * RG_LANES & ((1u << RG_LANES) - 1);
 }
 
-static void rg_join(rg_group *g, int l, const rg_model *m, const rg_behaviour *b,
-                    const rg_trials *set, int32_t trial) {
+/* False: there is no room for its food. */
+static int rg_join(rg_group *g, int l, const rg_model *m, const rg_behaviour *b,
+                   const rg_trials *set, int32_t trial) {
     const uint32_t *seed = set->seeds + 4 * trial;
     const int32_t scenario = set->scenarios[trial];
     rg_beginning start;
     double food_x[RG_FOOD_MAX], food_y[RG_FOOD_MAX];
-    rg_begin(m, seed, &start, food_x, food_y);
+    if (!rg_begin(m, seed, &start, food_x, food_y))
+        return 0;
     g->random[l] = start.random;
     g->search[l] = start.controller;
     g->x[l] = start.pose[0];
@@ -74,6 +76,7 @@ static void rg_join(rg_group *g, int l, const rg_model *m, const rg_behaviour *b
     g->lamp_x[l] = m->lamp_x[scenario];
     g->lamp_y[l] = m->lamp_y[scenario];
     g->lamp_on[l] = m->lamp_on[scenario] != 0;
+    return 1;
 }
 
 #endif

@@ -22,18 +22,37 @@ enum {
     RG_FOOD_MAX = 32, /* most food items a foraging state can hold */
     RG_COMMAND_SLOTS =
         64, /* commands on their way to the motors: at 40 ms, up to 2.5 s of latency */
+    RG_STEPS_MAX = 1 << 20, /* control steps of a trial, or of a behaviour: at 40 ms, 11 h */
+    RG_MANY = 1 << 26,      /* most trials, robots or segments of a call: indices hold */
+    RG_TABLE_MAX = 1 << 24, /* most floats of a table: 64 MB */
+    RG_DRAWS = 100000,      /* places drawn for an item of food before it is given up */
 };
 
 /* How trials are computed: the best way there is, one by one, or side by side in SIMD lanes of an
  * instruction set. */
 enum { RG_BEST = 0, RG_ONE_BY_ONE = 1, RG_AVX2 = 2, RG_AVX512 = 3 };
 
-enum { RG_OK = 0, RG_NOT_FINITE = 1, RG_BAD_ARGUMENT = 2 };
+/* How a call ended. What is not OK says why in an rg_refusal. */
+enum {
+    RG_OK = 0,
+    RG_NOT_FINITE = 1,   /* numbers in range led out of the finite ones */
+    RG_BAD_ARGUMENT = 2, /* something given is not finite, out of range or missing */
+    RG_NO_ROOM = 3,      /* no place for food outside the nest was found in RG_DRAWS draws */
+};
+
+/* What could not be used, or where a call ended. */
+typedef struct {
+    const char *field; /* as the Python binding calls it */
+    int64_t index;     /* of an element, trial, robot, segment or row; -1: there is but one */
+    int32_t step;      /* of a trial that ended */
+    double got;        /* what was there */
+    double low, high;  /* the least and the most that would do */
+} rg_refusal;
 
 /* How the two wheels answer a command, and where the wheels are. Null values in brackets make the
  * minimal model of the paper (III-E); any other value is a named cause of the reality gap. */
 typedef struct {
-    double wheel_radius[2]; /* m */
+    double wheel_radius[2]; /* m; a negative one turns backwards */
     double axle;            /* m, distance between the wheels' ground contacts */
     double latency;         /* s, command to motor [0] */
     double time_constant;   /* s, first-order answer of the motors [0] */
@@ -48,6 +67,7 @@ typedef struct {
     /* infrared: counts[sensor][distance][incidence]; the distance axis is range * u^2 and the
      * incidence axis is the cosine of the angle, both u and the cosine uniform in [0, 1] */
     const float *ps_counts;
+    int64_t ps_floats; /* that ps_counts has */
     int32_t ps_distances, ps_incidences;
     double ps_range;       /* m; nothing is seen beyond it */
     double ps_noise[8];    /* half width of uniform noise, relative to the reading */
@@ -57,6 +77,7 @@ typedef struct {
      * which a row holds three times and one node more, so that no lookup has to wrap; after the
      * last row come RG_AHEAD floats that may be read and are not used */
     const float *ls_counts;
+    int64_t ls_floats; /* that ls_counts has */
     int32_t ls_distances, ls_bearings;
     double ls_range;   /* m */
     double ls_dark[8]; /* counts each sensor reads with the lamps off: more if it is covered */
@@ -79,7 +100,7 @@ typedef struct {
     double lamp_decay;                   /* 1/s, relative loss of lamp power with time [0] */
     double second_x, second_y;           /* m, another lamp, in every scenario */
     double second_gain;                  /* of it, relative to the captured lamp [0: none] */
-    double sensor_angle[8];              /* rad from forward, counter-clockwise */
+    double sensor_angle[8];              /* rad from forward, counter-clockwise, in [-pi, pi] */
     double sensor_cos[8], sensor_sin[8]; /* of sensor_angle */
     double ps_gain[8];                   /* on every infrared reading [1] */
     double ps_offset[8];                 /* counts, ambient infrared [0] */
@@ -143,16 +164,21 @@ typedef struct {
 /* third of [0, 0.99] a gene lies in: 0, 1, 2 (Figs. 4 and 5) */
 int32_t rg_third(double gene);
 
-/* One controller step: readings and virtual sensor in, wheel speeds (rad/s) out. */
-void rg_control(const rg_behaviour *b, const double genome[2], rg_controller *c, const double *ps,
-                const double *ls, int32_t on_food, int32_t on_nest, double *command);
+/* Every call below looks at all that it is given, and ends with RG_BAD_ARGUMENT before it computes
+ * anything, or where it meets a row that it cannot use. How long arrays are is what the caller
+ * says: the binding makes sure of it. `why` is filled where a call does not end well. */
 
-/* The same for a swarm in one call; arrays (robots, ...), behaviours too; inactive robots are
- * commanded to stop. picked and dropped are set to 1 where a robot's Food state changed. */
-void rg_control_swarm(const rg_behaviour *behaviours, int32_t robots, const uint8_t *active,
-                      const double *genomes, rg_controller *controllers, const double *ps,
-                      const double *ls, const uint8_t *on_food, const uint8_t *on_nest,
-                      double *commands, uint8_t *picked, uint8_t *dropped);
+int32_t rg_check_drive(const rg_drive *d, rg_refusal *why);
+int32_t rg_check_model(const rg_model *m, rg_refusal *why);
+int32_t rg_check_behaviour(const rg_behaviour *b, rg_refusal *why);
+
+/* The controllers of a swarm, one step: readings and virtual sensor in, wheel speeds (rad/s) out.
+ * Arrays are (robots, ...), behaviours too; inactive robots are commanded to stop. picked and
+ * dropped are set to 1 where a robot's Food state changed. */
+int32_t rg_control_swarm(const rg_behaviour *behaviours, int32_t robots, const uint8_t *active,
+                         const double *genomes, rg_controller *controllers, const double *ps,
+                         const double *ls, const uint8_t *on_food, const uint8_t *on_nest,
+                         double *commands, uint8_t *picked, uint8_t *dropped, rg_refusal *why);
 
 /* Start one controller from four seed words; Food is false. */
 void rg_controller_start(rg_controller *c, const uint32_t seed[4]);
@@ -160,22 +186,21 @@ void rg_controller_start(rg_controller *c, const uint32_t seed[4]);
 /* Has this processor, and this build, the form? */
 int32_t rg_has_form(int32_t form);
 
-/* Forage every trial of a set. RG_BAD_ARGUMENT: the model cannot be run, or not in that form.
- * RG_NOT_FINITE: at holds the trial that diverged, and its step. */
-int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, int32_t at[2]);
+/* Forage every trial of a set. RG_NOT_FINITE, RG_NO_ROOM: why holds the trial, and its step. */
+int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, rg_refusal *why);
 
 /* Drive logged commands through the model, one chain of motors per run and robot.
  * Segment k holds rows start[k] .. start[k+1]-1; commands (rows, 2) hold from their row's time to
  * the next row's. poses (rows, 3): x, y, yaw at each row's time, row start[k] being initial[k].
  * speeds (rows, 2), if not null, are the wheel speeds at each row's time. */
-int32_t rg_replay(const rg_drive *drive, int32_t segments, const int64_t *start, const double *t,
-                  const double *commands, const double *initial, double *poses, double *speeds,
-                  int64_t *at);
+int32_t rg_replay(const rg_drive *drive, int64_t rows, int32_t segments, const int64_t *start,
+                  const double *t, const double *commands, const double *initial, double *poses,
+                  double *speeds, rg_refusal *why);
 
 /* What the sensors read at given poses (rows, 3), without noise; scenario per row, and t (rows,)
  * the time since the log began (s), which may be null. ps, ls: (rows, 8), either may be null. */
 int32_t rg_readings(const rg_model *m, int64_t rows, const double *poses, const int32_t *scenarios,
-                    const double *t, double *ps, double *ls, int64_t *at);
+                    const double *t, double *ps, double *ls, rg_refusal *why);
 
 /* binding end */
 

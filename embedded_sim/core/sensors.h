@@ -80,7 +80,8 @@ static inline void rg_lamp(const rg_model *m, double dx, double dy, double gain,
     const float *high = low + around;
     const double per_rad = t->ls_bearings / RG_TWO_PI;
     for (int k = 0; k < RG_SENSORS; k++) {
-        /* bearing and sensor angle lie in [-pi, pi]: the three copies of the circle hold any sum */
+        /* bearing and sensor angle lie in [-pi, pi]: the three copies of the circle hold their
+         * difference */
         const double at = (bearing - m->sensor_angle[k] + 1.5 * RG_TWO_PI) * per_rad;
         const int j = (int)at;
         const double wb = at - j;

@@ -30,11 +30,15 @@ static inline void rg_place(const rg_model *m, rg_random *r, double *x, double *
     *y = radius * sin(angle);
 }
 
-/* The same, outside the nest: nobody is paid for food that lies at home. */
-static inline void rg_place_food(const rg_model *m, rg_random *r, double *x, double *y) {
-    do
+/* The same, outside the nest: nobody is paid for food that lies at home. False: RG_DRAWS places
+ * were all on it. */
+static inline int rg_place_food(const rg_model *m, rg_random *r, double *x, double *y) {
+    for (int draw = 0; draw < RG_DRAWS; draw++) {
         rg_place(m, r, x, y);
-    while (rg_on_nest(m, *x, *y));
+        if (!rg_on_nest(m, *x, *y))
+            return 1;
+    }
+    return 0;
 }
 
 /* Where a trial begins. */
@@ -45,8 +49,9 @@ typedef struct {
     rg_random random; /* places; the controller has its own stream, and noise goes by counter */
 } rg_beginning;
 
-static inline void rg_begin(const rg_model *m, const uint32_t seed[4], rg_beginning *start,
-                            double *food_x, double *food_y) {
+/* False: there is no room for food. */
+static inline int rg_begin(const rg_model *m, const uint32_t seed[4], rg_beginning *start,
+                           double *food_x, double *food_y) {
     rg_random *random = &start->random;
     rg_seed(random, seed);
     uint32_t own[4];
@@ -58,7 +63,9 @@ static inline void rg_begin(const rg_model *m, const uint32_t seed[4], rg_beginn
     start->heading[0] = cos(start->pose[2]);
     start->heading[1] = sin(start->pose[2]);
     for (int i = 0; i < m->food_items; i++)
-        rg_place_food(m, random, &food_x[i], &food_y[i]);
+        if (!rg_place_food(m, random, &food_x[i], &food_y[i]))
+            return 0;
+    return 1;
 }
 
 /* What of model and controller a trial asks for at every step, worked out once. */
@@ -164,14 +171,6 @@ static inline rg_cut rg_cut_of(const rg_model *m) {
     const double old = (late - whole) * m->control_step;
     return (rg_cut){whole, rg_part_of(&m->drive, old),
                     rg_part_of(&m->drive, m->control_step - old)};
-}
-
-/* Is there room for food outside the nest, and for the commands on their way? */
-static inline int rg_can_run(const rg_model *m) {
-    const double reach = m->arena_radius - m->body_radius;
-    const double far = sqrt(m->nest_x * m->nest_x + m->nest_y * m->nest_y) + reach;
-    return m->food_items <= RG_FOOD_MAX && m->nest_radius < far &&
-           m->drive.latency <= (RG_COMMAND_SLOTS - 2) * m->control_step;
 }
 
 #endif

@@ -21,11 +21,13 @@ static void build_model(rg_model *m, float *ps, float *ls) {
     }
     m->drive.axle = 0.053;
     m->tables = (rg_tables){.ps_counts = ps,
+                            .ps_floats = 8 * DISTANCES * INCIDENCES,
                             .ps_distances = DISTANCES,
                             .ps_incidences = INCIDENCES,
                             .ps_range = 0.15,
                             .ps_noise_floor = 3.0,
                             .ls_counts = ls,
+                            .ls_floats = DISTANCES * (3 * BEARINGS + 1) + RG_AHEAD,
                             .ls_distances = DISTANCES,
                             .ls_bearings = BEARINGS,
                             .ls_range = 1.2,
@@ -78,7 +80,8 @@ static void fail(const char *what, int status) {
 
 static void evaluate(const rg_model *m, const rg_behaviour *b, int expected) {
     double genomes[2 * TRIALS], fitness[TRIALS];
-    int32_t scenarios[TRIALS], deposits[TRIALS], at[2] = {-1, -1};
+    int32_t scenarios[TRIALS], deposits[TRIALS];
+    rg_refusal why;
     uint32_t seeds[4 * TRIALS];
     for (int i = 0; i < TRIALS; i++) {
         genomes[2 * i] = 0.33 * (i % 3) + 0.1;
@@ -99,7 +102,7 @@ static void evaluate(const rg_model *m, const rg_behaviour *b, int expected) {
         set.form = pass / 2;
         if (!rg_has_form(set.form))
             continue;
-        const int status = rg_evaluate(m, b, &set, at);
+        const int status = rg_evaluate(m, b, &set, &why);
         if (status != expected)
             fail("evaluate", status);
         for (int i = 0; status == RG_OK && i < TRIALS; i++)
@@ -113,7 +116,7 @@ static void replay(const rg_model *m) {
     double t[ROWS], commands[2 * ROWS], poses[3 * ROWS], speeds[2 * ROWS];
     double ps[8 * ROWS], ls[8 * ROWS];
     int32_t scenarios[ROWS];
-    int64_t at = -1;
+    rg_refusal why;
     const int64_t start[4] = {0, 1, 100, ROWS};
     const double initial[9] = {0.0};
     for (int i = 0; i < ROWS; i++) {
@@ -128,17 +131,26 @@ static void replay(const rg_model *m) {
     late.acceleration[0] = late.acceleration[1] = 50.0;
     const rg_drive *drives[2] = {&m->drive, &late};
     for (int i = 0; i < 2; i++) {
-        int status = rg_replay(drives[i], 3, start, t, commands, initial, poses, speeds, &at);
+        int status =
+            rg_replay(drives[i], ROWS, 3, start, t, commands, initial, poses, speeds, &why);
         if (status == RG_OK)
-            status = rg_readings(m, ROWS, poses, scenarios, t, ps, ls, &at);
+            status = rg_readings(m, ROWS, poses, scenarios, t, ps, ls, &why);
         if (status != RG_OK)
             fail("replay", status);
     }
     commands[2 * 50] = NAN;
-    if (rg_replay(&m->drive, 3, start, t, commands, initial, poses, NULL, &at) != RG_NOT_FINITE)
-        fail("replay of NaN", (int)at);
-    if (rg_readings(m, ROWS, poses, scenarios, NULL, ps, NULL, &at) != RG_NOT_FINITE)
-        fail("readings at NaN", (int)at);
+    if (rg_replay(&m->drive, ROWS, 3, start, t, commands, initial, poses, NULL, &why) !=
+            RG_BAD_ARGUMENT ||
+        why.index != 50)
+        fail("replay of NaN", (int)why.index);
+    commands[2 * 50] = 1e308;
+    if (rg_replay(&m->drive, ROWS, 3, start, t, commands, initial, poses, NULL, &why) !=
+            RG_NOT_FINITE ||
+        why.index != 51)
+        fail("replay beyond the numbers", (int)why.index);
+    poses[3 * 51] = NAN;
+    if (rg_readings(m, ROWS, poses, scenarios, NULL, ps, NULL, &why) != RG_BAD_ARGUMENT)
+        fail("readings at NaN", (int)why.index);
 }
 
 static void swarm(const rg_behaviour *b) {
@@ -161,8 +173,11 @@ static void swarm(const rg_behaviour *b) {
             ls[8 * i + step % 8] = step;
             ps[8 * i + step % 8] = step % 50 == 0 ? 1e4 : 0.0;
         }
-        rg_control_swarm(own, ROBOTS, active, genomes, controllers, ps, ls, food, nest, commands,
-                         picked, dropped);
+        rg_refusal why;
+        const int status = rg_control_swarm(own, ROBOTS, active, genomes, controllers, ps, ls, food,
+                                            nest, commands, picked, dropped, &why);
+        if (status != RG_OK)
+            fail("control", status);
     }
 }
 
@@ -184,11 +199,31 @@ int main(void) {
     model.second_gain = 2.0;
     model.ps_offset[3] = 50.0;
     evaluate(&model, &behaviour, RG_OK);
+    /* what once read beyond the light's table, or drew places without end */
+    model.nest_radius = 1.0649999999;
+    evaluate(&model, &behaviour, RG_NO_ROOM);
+    model.nest_radius = 2.0;
+    evaluate(&model, &behaviour, RG_BAD_ARGUMENT);
+    model.nest_radius = 0.2;
+    model.sensor_angle[3] = -2.618 - 6.2;
+    evaluate(&model, &behaviour, RG_BAD_ARGUMENT);
+    model.sensor_angle[3] = 1e6;
+    evaluate(&model, &behaviour, RG_BAD_ARGUMENT);
+    model.sensor_angle[3] = -2.618;
+    model.arena_radius = 0.03;
+    evaluate(&model, &behaviour, RG_BAD_ARGUMENT);
+    model.arena_radius = 0.6;
+    model.tables.ls_floats--;
+    evaluate(&model, &behaviour, RG_BAD_ARGUMENT);
+    model.tables.ls_floats++;
     model.food_items = RG_FOOD_MAX + 1;
     evaluate(&model, &behaviour, RG_BAD_ARGUMENT);
     model.food_items = 7;
     model.drive.wheel_radius[0] = NAN;
-    evaluate(&model, &behaviour, RG_NOT_FINITE);
+    evaluate(&model, &behaviour, RG_BAD_ARGUMENT);
+    model.drive.wheel_radius[0] = 0.0205;
+    behaviour.light_gain = NAN;
+    evaluate(&model, &behaviour, RG_BAD_ARGUMENT);
     puts("the core ran clean under the sanitizers");
     return 0;
 }

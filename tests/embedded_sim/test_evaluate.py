@@ -11,13 +11,14 @@ import pytest
 from embedded_sim import (
     SENSOR_ANGLES,
     Behaviour,
-    Diverged,
     Drive,
+    InputError,
     PointModel,
     Senses,
     evaluate,
     readings,
 )
+from embedded_sim.simulator import FORMS, has_form
 from models import load_model
 
 SEARCH, POSITIVE, NEGATIVE = (0.5, 0.5), (0.9, 0.5), (0.1, 0.5)
@@ -99,18 +100,98 @@ def test_a_slow_motor_or_a_late_command_costs_food() -> None:
     assert forage(POSITIVE, AT_NEST, model=late).mean() < 0.9 * nominal
 
 
-def test_a_diverging_model_is_an_error_that_names_the_trial() -> None:
-    broken = replace(load_model(), drive=Drive(wheel_radius=(math.nan, 0.02)))
-    with pytest.raises(Diverged, match="trial 0, step 0"):
-        forage(SEARCH, AT_NEST, 2, broken)
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"food_items": 33}, "food_items: got 33, expected a number from 0 to 32"),
+        ({"food_items": 2**40}, "food_items: got"),
+        ({"nest": (0.5, 0.0, 2.0)}, "nest.radius: got 2, expected a number from 0 to 1.06"),
+        ({"nest": (0.5, 0.0)}, "nest: got 2 numbers, expected 3 numbers"),
+        ({"nest": (0.5, 0.0, 1.0649999999)}, "nest: got no place outside it in 100000 draws"),
+        ({"arena_radius": 0.03}, "arena_radius: got 0.03"),
+        ({"lamps": ((1e300, 0.0), None, None)}, "lamps: got 1e\\+300 m away"),
+        ({"lamps": (None, None)}, "lamps: got 2 places"),
+        ({"sensor_angles": (0.0,) * 7}, "sensor_angles: got 7 numbers, expected 8 numbers"),
+        ({"drive": Drive(latency=9.0)}, "drive.latency: got 9, expected a number from 0 to 2.48"),
+        ({"drive": Drive(wheel_radius=(math.nan, 0.02))}, r"drive.wheel_radius\[0\]: got nan"),
+        ({"drive": Drive(acceleration=(0.0, 1.0))}, r"drive.acceleration\[0\]: got 0"),
+        ({"senses": Senses(ps_gain=(1.0,))}, "senses.ps_gain: got 1 numbers, expected 8 numbers"),
+        ({"senses": Senses(light_exponent=1e9)}, "senses: got light_exponent = 1000000000.0"),
+        ({"senses": Senses(rotation=math.inf)}, "senses.rotation: got inf"),
+    ],
+)
+def test_models_that_cannot_be_run_are_refused_by_the_name_of_the_field(
+    change: dict[str, object], says: str
+) -> None:
+    model = replace(load_model(), **change)
+    with pytest.raises(InputError, match=says):
+        forage(SEARCH, AT_NEST, 2, model)
 
 
 @pytest.mark.parametrize(
-    "change", [{"food_items": 33}, {"nest": (0.5, 0.0, 2.0)}, {"drive": Drive(latency=9.0)}]
+    ("change", "says"),
+    [
+        (
+            {"cruise_speed": math.nan},
+            "cruise_speed: got nan, expected a number from -1000000000000 to",
+        ),
+        ({"avoid_threshold": (200.0,)}, "behaviour.avoid_threshold: got 1 numbers"),
+        ({"search_duration": (2.0, 0.4)}, r"behaviour.search_duration\[1\]: got 0.4"),
+        ({"avoid_memory": 1e9}, "behaviour.avoid_memory: got 1e\\+?0?9|got 1000000000"),
+        ({"light_gain": "much"}, "behaviour.light_gain: got"),
+    ],
 )
-def test_models_that_cannot_be_run_are_refused(change: dict[str, object]) -> None:
-    with pytest.raises(ValueError, match="expected at most"):
-        forage(SEARCH, NO_LIGHT, 1, replace(load_model(), **change))
+def test_controllers_that_cannot_be_run_are_refused_by_the_name_of_the_field(
+    change: dict[str, object], says: str
+) -> None:
+    behaviour = replace(Behaviour(), **change)
+    with pytest.raises(InputError, match=says):
+        evaluate([SEARCH], [1], seeds(1), model=load_model(), behaviour=behaviour)
+
+
+@pytest.mark.parametrize("field", ["ps_counts", "ls_counts", "ps_noise", "ps_range", "counts_max"])
+def test_tables_of_another_shape_or_with_what_no_sensor_reads_are_refused(field: str) -> None:
+    tables = load_model().tables
+    was = getattr(tables, field)
+    wrong = [np.full_like(was, math.nan), was[..., :1]] if np.ndim(was) else [math.nan, -math.inf]
+    for value in wrong:
+        model = replace(load_model(), tables=replace(tables, **{field: value}))
+        with pytest.raises(InputError, match=f"tables.{field}"):
+            readings([[0, 0, 0]], [0], model=model)
+
+
+def test_tables_of_doubles_or_in_another_order_read_the_same() -> None:
+    tables = load_model().tables
+    other = replace(
+        tables,
+        ps_counts=np.asfortranarray(tables.ps_counts),
+        ls_counts=tables.ls_counts.astype(np.float64),
+    )
+    poses, scenarios = [[0.5, 0.1, 0.3]], [AT_NEST]
+    nominal = readings(poses, scenarios, model=load_model())
+    same = readings(poses, scenarios, model=replace(load_model(), tables=other))
+    assert same.ps.tobytes() == nominal.ps.tobytes()
+    assert same.ls.tobytes() == nominal.ls.tobytes()
+
+
+@pytest.mark.parametrize("turns", [-7.0, 0.6, 6.0, 1e6])
+def test_an_angle_is_an_angle_however_many_turns_it_is(turns: float) -> None:
+    """In every form: the ring's bearings stay inside the light's table."""
+    results = []
+    for rotation in (turns, math.remainder(turns, math.tau)):
+        model = replace(load_model(), senses=Senses(rotation=rotation))
+        for form in filter(has_form, FORMS):
+            results.append(
+                evaluate(
+                    np.tile(POSITIVE, (20, 1)),
+                    [AT_NEST] * 20,
+                    seeds(20),
+                    model=model,
+                    behaviour=Behaviour(),
+                    form=form,
+                ).fitness
+            )
+    assert np.ptp(results, axis=0).max() == 0.0
 
 
 @pytest.mark.parametrize(

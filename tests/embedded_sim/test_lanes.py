@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from embedded_sim import Behaviour, Diverged, Drive, PointModel, Senses, evaluate
+from embedded_sim import Behaviour, Drive, InputError, PointModel, Senses, evaluate
 from embedded_sim.simulator import FORMS, has_form
 from models import load_model
 
@@ -140,14 +140,15 @@ def test_lanes_tell_trials_apart_over_whole_trials() -> None:
     assert len({result.fitness.tobytes() for result in results}) == 1
 
 
-def test_a_trial_that_diverges_among_others_is_named() -> None:
-    broken = [Behaviour()] * 30
-    broken[21] = Behaviour(cruise_speed=float("nan"))
-    with pytest.raises(Diverged, match="trial 21, step 0"):
-        evaluate(
-            np.full((30, 2), 0.5),
-            [1] * 30,
-            np.arange(120, dtype=np.uint32).reshape(30, 4),
-            model=BASE,
-            behaviour=broken,
-        )
+def test_food_that_finds_no_room_is_refused_alike_in_every_form() -> None:
+    crowded = replace(BASE, nest=(0.5, 0.0, 1.0649999999))
+    for form in filter(has_form, FORMS):
+        with pytest.raises(InputError, match=r"nest: got no place .* \(trial 0, step 0\)"):
+            evaluate(
+                np.full((30, 2), 0.5),
+                [1] * 30,
+                np.arange(120, dtype=np.uint32).reshape(30, 4),
+                model=crowded,
+                behaviour=Behaviour(),
+                form=form,
+            )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from embedded_sim import Behaviour
+from embedded_sim import Behaviour, InputError
 from embedded_sim.breeding import Bred, CoEvolution, Fixed
 from embedded_sim.model import FloatArray
 from embedded_sim.onboard import GENERATION_STEPS, Swarm
@@ -169,3 +169,36 @@ def test_phototaxis_turns_towards_or_away_from_the_light() -> None:
         script.run(range(1))
         left, right = script.swarm.commands[0]
         assert np.sign(right - left) == side
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("ps", np.zeros((2, 8))),
+        ("ps", np.zeros((3, 8), dtype=np.float32)),
+        ("ls", np.zeros((8, 3)).T),
+        ("ls", [[0.0] * 8] * 3),
+        ("on_food", np.zeros(2, dtype=np.uint8)),
+        ("on_nest", np.zeros(3, dtype=np.bool_)),
+        ("ps", np.full((3, 8), np.nan)),
+        ("ls", np.full((3, 8), np.inf)),
+    ],
+)
+def test_arrays_that_are_not_the_swarms_are_refused(field: str, value: object) -> None:
+    """Also after a step with good ones, whose memory is kept."""
+    script = Script(robots=3)
+    flags = np.zeros(3, dtype=np.uint8)
+    good = {"ps": script.ps, "ls": script.ls, "on_food": flags, "on_nest": flags}
+    script.swarm.step(0, **good)
+    with pytest.raises(InputError, match=f"^{field}"):
+        script.swarm.step(1, **{**good, field: value})
+
+
+def test_what_is_heard_has_a_row_and_a_column_per_robot() -> None:
+    with pytest.raises(InputError, match="heard"):
+        Script(robots=3).swarm.hear(np.zeros((2, 3), dtype=np.uint8), 0)
+
+
+def test_a_swarm_has_a_robot() -> None:
+    with pytest.raises(InputError, match="start_steps"):
+        Swarm(np.random.SeedSequence(1), breeder=SEARCH, behaviour=Behaviour(), start_steps=[])

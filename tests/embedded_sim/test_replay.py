@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from embedded_sim import Diverged, Drive, replay
+from embedded_sim import Diverged, Drive, InputError, replay
 
 speeds = st.floats(-7.0, 7.0)
 
@@ -123,9 +123,32 @@ def test_segments_are_replayed_apart() -> None:
     assert poses[3, 0] == pytest.approx(5 + 2 * 0.0205)
 
 
-def test_a_command_that_is_not_a_number_is_an_error_that_names_the_row() -> None:
-    with pytest.raises(Diverged, match="row 2"):
-        replay([0, 1, 2], [[1, 1], [math.nan, 1], [1, 1]], [0, 3], [[0, 0, 0]], drive=Drive())
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"commands": [[1, 1], [math.nan, 1], [1, 1]]}, r"commands\[1\]: got nan"),
+        ({"commands": [[1, 1], [1, 1], [1, math.inf]]}, r"commands\[2\]: got inf"),
+        ({"t": [0.0, math.nan, 2.0]}, r"t\[1\]: got nan"),
+        ({"t": [0.0, 1.0, 0.5]}, r"t\[2\]: got 0.5, expected a finite number from 1"),
+        ({"initial": [[0.0, math.inf, 0.0]]}, r"initial\[0\]: got inf"),
+        ({"start": [0, 2, 1, 3]}, r"start\[2\]: got 1"),
+        ({"start": []}, "start: got nothing"),
+        ({"t": 3.0}, "t: got shape"),
+    ],
+)
+def test_a_number_that_cannot_be_used_is_refused_by_its_name_and_row(
+    change: dict[str, object], says: str
+) -> None:
+    good = {"t": [0, 1, 2], "commands": [[1, 1]] * 3, "start": [0, 3], "initial": [[0, 0, 0]]}
+    if len(np.atleast_1d(change.get("start", []))) == 4:
+        good["initial"] = [[0, 0, 0]] * 3
+    with pytest.raises(InputError, match=says):
+        replay(**{**good, **change}, drive=Drive())
+
+
+def test_commands_that_lead_out_of_the_finite_numbers_are_an_error_that_names_the_row() -> None:
+    with pytest.raises(Diverged, match="poses 2"):
+        replay([0, 1, 2], [[1, 1], [1e308, -1e308], [1, 1]], [0, 3], [[0, 0, 0]], drive=Drive())
 
 
 @pytest.mark.parametrize(
