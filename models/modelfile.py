@@ -7,17 +7,18 @@ known by name (`SHIPPED`).
 
 from __future__ import annotations
 
+import math
 import tomllib
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from embedded_sim import Drive, InputError, PointModel, Tables
 from embedded_sim.errors import nearest
 from models.causes import Motion
 from models.extension import Extension
-from models.files import Table, checked
+from models.files import Refused, Table, checked
 from models.tables import load_tables
 
 ROBOTS = Path(__file__).parent / "robots"
@@ -29,6 +30,9 @@ Length = Annotated[float, Field(gt=0.0, le=100.0, allow_inf_nan=False)]
 """m; nothing in an arena of wheeled robots is longer than 100 m."""
 Coordinate = Annotated[float, Field(ge=-100.0, le=100.0, allow_inf_nan=False)]
 Sensing = Literal["required", "declared", "ignored"]
+ROOM = 0.01
+"""Share of a robot's reach by which the nest must leave it free at its far side, our choice: then
+0.06 % of the places drawn for food are outside it at least, of some 100 000 that C draws."""
 
 
 class Robot(Table):
@@ -98,6 +102,37 @@ class ModelFile(Table):
     extension: Extension | None = None
     """Absent: the minimal model."""
 
+    @model_validator(mode="after")
+    def _possible(self) -> ModelFile:
+        """Refuse places where no robot fits, no food does, or that an extension makes so."""
+        arena, body = self.arena, self.robot.body_radius
+        if arena is not None:
+            if arena.radius <= body:
+                raise Refused(
+                    "arena.radius", f"{arena.radius:g}", f"more than body_radius, {body:g} m"
+                )
+            nest = arena.nest
+            most = _largest_nest(nest.x, nest.y, arena.radius - body)
+            if nest.radius > most:
+                raise Refused("arena.nest.radius", f"{nest.radius:g}", _room(most))
+        if self.extension is not None:
+            for robot in (None, *self.extension.robots):
+                self._believable(robot)
+        return self
+
+    def _believable(self, robot: int | None) -> None:
+        """Refuse what the causes of an extension add up to for a robot, where C would refuse it."""
+        try:
+            self.motion(robot).drive.struct()
+            model = self.point_model(robot=robot)
+            model.senses.check()
+        except InputError as error:
+            raise Refused(f"extension: {error.field}", error.got, error.expected) from None
+        x, y, radius = model.nest
+        most = _largest_nest(x, y, model.arena_radius - model.body_radius)
+        if self.arena is not None and radius > most:
+            raise Refused("extension: nest radius", f"{radius:g}", _room(most))
+
     def motion(self, robot: int | None = None) -> Motion:
         """How a robot moves and is seen; None: what the whole swarm has in common."""
         radius, axle = self.robot.wheel_radius, self.robot.axle
@@ -130,6 +165,15 @@ class ModelFile(Table):
             lamps=(opposite, none, at_nest),
         )
         return minimal if self.extension is None else self.extension.sensed(robot).of(minimal)
+
+
+def _largest_nest(x: float, y: float, reach: float) -> float:
+    """m: radius of the largest nest at (x, y) that leaves room for food within `reach` (m)."""
+    return math.hypot(x, y) + (1.0 - ROOM) * reach
+
+
+def _room(most: float) -> str:
+    return f"at most {math.floor(1e4 * most) / 1e4:g} m, so that food finds room outside the nest"
 
 
 def find_model_file(source: Path | str | None = None) -> Path:

@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from embedded_sim import InputError, PointModel
+from embedded_sim import Behaviour, InputError, PointModel, evaluate, readings
 from models.modelfile import SHIPPED, find_model_file, load_model, load_models, read_model_file
 from models.tables import save_tables
 from tests.models.small import tables
@@ -51,6 +51,73 @@ def test_tables_are_found_relative_to_the_model_file(tmp_path):
     loaded = load_model(path).tables
     assert loaded is not None
     assert np.array_equal(loaded.ps_counts, tables().ps_counts)
+
+
+ARENA = "[arena]\n"
+NEST = ARENA + "nest = {{ x = 0.5, y = 0, radius = {} }}\n"
+CAUSE = """
+[[extension.causes]]
+name = "{name}"
+parameters = {{ scale = {{ value = {value} }} }}
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (ARENA + "radius = 0.03\n", "radius: got 0.03, expected more than body_radius, 0.03 m"),
+        (NEST.format("1.0649999999"), "nest.radius: got 1.065, expected at most 1.0642 m"),
+        (NEST.format("2.0"), "nest.radius: got 2, expected at most 1.0642 m"),
+        (ARENA + 2 * CAUSE.format(name="nest_radius", value=5.0), "nest radius: got 5, expected"),
+        (40 * CAUSE.format(name="wheel_radius_scale", value=3.0), "extension: drive.wheel_radius"),
+        (400 * CAUSE.format(name="wall_albedo", value=10.0), "senses.wall_albedo: got inf"),
+    ],
+)
+def test_places_and_sums_that_cannot_be_are_refused_when_the_file_is_read(tmp_path, text, says):
+    path = tmp_path / "m.toml"
+    path.write_text('name = "m"\n' + EPUCK + text)
+    with pytest.raises(InputError) as refusal:
+        read_model_file(path)
+    assert says in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_the_largest_nest_that_a_refusal_names_would_do(tmp_path: Path) -> None:
+    path = tmp_path / "m.toml"
+    shipped = find_model_file("epuck")
+    tables = shipped.parents[1] / "captured" / "epuck.npz"
+    arena = "[arena]\nnest = { x = 0.5, y = 0, radius = 1.0642 }\n"
+    path.write_text('name = "m"\n' + EPUCK + arena + f'[sensors]\ntables = "{tables}"\n')
+    trials = 50
+    found = evaluate(
+        np.full((trials, 2), 0.5),
+        [1] * trials,
+        np.arange(4 * trials).reshape(trials, 4),
+        model=load_model(path),
+        behaviour=Behaviour(),
+    )
+    assert np.isfinite(found.fitness).all()
+
+
+def test_a_robot_without_an_arena_may_be_larger_than_the_nominal_one(tmp_path: Path) -> None:
+    path = tmp_path / "m.toml"
+    path.write_text('name = "m"\n' + EPUCK.replace("0.03", "0.7"))
+    assert read_model_file(path).robot.body_radius == 0.7
+
+
+def test_rings_turned_by_two_causes_are_turned_by_their_sum(tmp_path: Path) -> None:
+    turned = [
+        CAUSE.format(name="ir_rotation", value=value).replace("scale", "angle")
+        for value in (3.0, 3.0, 6.0 - 2.0 * np.pi)
+    ]
+    read = []
+    for causes in (turned[:2], turned[2:]):
+        text = extended(tmp_path / "m.toml", [0]).read_text().split("[[extension")[0]
+        (tmp_path / "m.toml").write_text(text + "".join(causes))
+        model = load_model(tmp_path / "m.toml")
+        read.append(readings([[0.3, 0.1, 0.4]], [2], model=model))
+    assert read[0].ls == pytest.approx(read[1].ls, abs=1e-6)
+    assert read[0].ps == pytest.approx(read[1].ps, abs=1e-6)
 
 
 @pytest.mark.parametrize(
