@@ -140,7 +140,7 @@ def _cause(named: Named) -> dict[str, Any]:
     cause = named.term.cause
     parameters: dict[str, dict[str, Any]] = {
         v.name: {"value": v.value, "low": v.low, "high": v.high, "unit": v.unit}
-        for v in named.values
+        for v in (*named.values, *named.given)
     }
     if cause.word:
         parameters[cause.word] = {"value": named.term.variant, "unit": "word"}
@@ -170,7 +170,7 @@ def extension(found: Diagnosis, *, log_hash: str, command: str) -> Extension:
                 word=one.term.variant,
                 parameters={
                     v.name: ParameterValue(value=v.value, low=v.low, high=v.high, unit=v.unit)
-                    for v in one.values
+                    for v in (*one.values, *one.given)
                 },
             )
             for one in found.named

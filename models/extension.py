@@ -13,6 +13,13 @@ word = "left"             # which wheel, where the cause has variants
 [extension.causes.parameters]
 limit = { value = 4.5, low = 4.4, high = 4.6, unit = "rad/s" }
 ```
+
+A share, as of torque, stands beside what it is a share of:
+
+```toml
+torque = { value = 0.5, unit = "1" }
+healthy_acceleration = { value = 170.0, unit = "rad/s^2" }
+```
 """
 
 from __future__ import annotations
@@ -100,20 +107,28 @@ class NamedCause(Table):
         if isinstance(cause, SenseCause) and cause.place and self.robots != "all":
             expected = f'"all": {self.name} belongs to the place'
             raise Refused("robots", list(self.robots), expected)
-        names = [p.name for p in cause.parameters]
+        names = [p.name for p in (*cause.parameters, *cause.given)]
         for name in self.parameters:
             if name not in names:
                 valid = nearest(name, names) if names else f"no parameters for {self.name}"
                 raise Refused("parameters", repr(name), valid)
         for p in cause.parameters:
-            if p.name not in self.parameters:
-                raise Refused(f"parameters.{p.name}", "nothing", f"a value ({p.unit})")
-            try:
-                self.parameters[p.name].check(p)
-            except Refused as error:
-                field = f"parameters.{error.field}"
-                raise Refused(field, error.got, error.expected) from None
+            self._check(p)
+        if any(self.parameters[p.name].value != p.null for p in cause.parameters):
+            for p in cause.given:  # a share is of something
+                self._check(p)
         return self
+
+    def _check(self, parameter: Parameter) -> None:
+        """Refuse a parameter that is absent or that the catalogue does not have so."""
+        name = parameter.name
+        if name not in self.parameters:
+            raise Refused(f"parameters.{name}", "nothing", f"a value ({parameter.unit})")
+        try:
+            self.parameters[name].check(parameter)
+        except Refused as error:
+            field = f"parameters.{error.field}"
+            raise Refused(field, error.got, error.expected) from None
 
     def concerns(self, robot: int | None) -> bool:
         """Whether a robot has it; None asks for what the whole swarm has."""
@@ -131,7 +146,9 @@ class NamedCause(Table):
         return cause.sense(belief, self._values(), self.word)
 
     def _values(self) -> FloatArray:
-        return np.array([self.parameters[p.name].value for p in self.cause.parameters])
+        given = [p for p in self.cause.given if p.name in self.parameters]
+        asked = (*self.cause.parameters, *given)
+        return np.array([self.parameters[p.name].value for p in asked])
 
 
 class Extension(Table):

@@ -8,6 +8,7 @@ beyond what health gives. What is named later is what changed.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol, TypeVar
@@ -58,7 +59,7 @@ class Structure(Table):
 
 
 UNKNOWN = Structure(mean=0.0, sd=0.0, swarm_sd=0.0, farthest=0.0, swarm_farthest=0.0)
-"""Where nobody measured healthy robots, whatever follows something is beyond the model."""
+"""Where there is no reference at all, whatever follows something is beyond the model."""
 
 
 class Gates(Table):
@@ -104,8 +105,14 @@ class Reference(Table):
             return believed
         return INHERENT.applied(believed, np.array(self.inherent))
 
+    def knows(self, key: str) -> bool:
+        """Whether a term was measured in healthy robots, or health is not asked for at all."""
+        return not self.robots or key in self.terms
+
     def gate(self, key: str, *, swarm: bool = False) -> float:
-        """Distance from health that a term needs."""
+        """Distance from health that a term needs; infinite where health is not known."""
+        if not self.knows(key):
+            return math.inf
         if key not in self.terms:
             return self.gates.distance
         found = self.terms[key]
@@ -117,9 +124,13 @@ class Reference(Table):
         return self.structure.get(key) if self.robots else UNKNOWN
 
     def spread(self, key: str, size: int, *, swarm: bool = False) -> tuple[FloatArray, FloatArray]:
-        """(p,) healthy mean and standard deviation of a term's coordinates; zeros where unknown."""
+        """(p,) healthy mean and standard deviation of a term's coordinates.
+
+        The latter is infinite where healthy robots were measured and this term was not, and 0 where
+        none were: the model is then taken for health.
+        """
         if key not in self.terms:
-            return np.zeros(size), np.zeros(size)
+            return np.zeros(size), np.full(size, 0.0 if self.knows(key) else math.inf)
         return self.terms[key].coordinates(swarm=swarm)
 
 

@@ -120,6 +120,7 @@ def every_term() -> PointModel:
             p.name: ParameterValue(value=value)
             for p, value in zip(cause.parameters, values, strict=True)
         }
+        parameters |= {p.name: ParameterValue(value=p.high) for p in cause.given}
         named.append(NamedCause(name=name, word=cause.variants[-1], parameters=parameters))
     extended = model.model_copy(update={"extension": Extension(causes=tuple(named))})
     return extended.point_model(load_model().tables)

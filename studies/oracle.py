@@ -10,6 +10,7 @@ from models.extension import Extension, NamedCause, ParameterValue
 from models.modelfile import find_model_file, read_model_file
 from reality.effects import Hidden
 from studies.diagnosis_files import write_extended
+from studies.shares import as_told, given
 
 
 def oracle(hidden: Iterable[Hidden]) -> Extension:
@@ -22,15 +23,16 @@ def oracle(hidden: Iterable[Hidden]) -> Extension:
 
 
 def _cause(hidden: Hidden) -> NamedCause:
-    name, values = hidden.effect.name, hidden.values
-    cause = every_cause()[name]
+    name = hidden.effect.name
+    cause, values = every_cause()[name], as_told(name, hidden.values)
+    asked = (*cause.parameters, *cause.given)
+    values |= given(name)
     return NamedCause(
         name=name,
         robots=hidden.robots or "all",
         word=str(values[cause.word]) if cause.word else "",
         parameters={
-            p.name: ParameterValue(value=float(values[p.name]), unit=p.unit)
-            for p in cause.parameters
+            p.name: ParameterValue(value=float(values[p.name]), unit=p.unit) for p in asked
         },
     )
 

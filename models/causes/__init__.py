@@ -15,7 +15,7 @@ from models.causes.motion import Motion
 
 __all__ = ["ALL", "Cause", "Motion", "Parameter", "causes"]
 
-_MACHINERY = ("cause", "motion", "withheld")
+_MACHINERY = ("cause", "grip", "motion", "withheld")
 
 
 @cache

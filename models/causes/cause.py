@@ -70,6 +70,15 @@ class Parameter:
         """Coordinates of the least and the largest value."""
         return self.coordinate(self.low), self.coordinate(self.high)
 
+    def kept(self, value: float) -> float:
+        """The believed value nearest to a value, which may be infinite."""
+        return min(max(value, self.low), self.high)
+
+    def believed(self, coordinate: float) -> float:
+        """The believed value nearest to that at a coordinate, which may be infinite."""
+        least, most = self.bounds
+        return self.kept(self.value(min(max(coordinate, least), most)))
+
 
 Change = Callable[[Motion, FloatArray, str], Motion]
 Starts = Callable[[FloatArray], list[FloatArray]]
@@ -89,7 +98,13 @@ class Cause:
     """What is the matter with the robot, in words for the person who must repair it."""
     parameters: tuple[Parameter, ...]
     change: Change
-    """(motion, values (parameters,), variant) -> motion with the cause. At the null: the same."""
+    """(motion, values (parameters [+ given],), variant) -> motion with the cause. At the null: the
+    same."""
+    given: tuple[Parameter, ...] = ()
+    """What the values are told against, such as a healthy robot's acceleration: not fitted, told
+    beside them, and asked for where the cause is read from a file."""
+    told_against: Callable[[Motion], FloatArray] | None = None
+    """(healthy motion) -> values (given,); infinite where not known, and then nothing is told."""
     variants: tuple[str, ...] = (ALL,)
     """Words of the parameter `word`, such as which wheel."""
     word: str = ""
@@ -127,13 +142,12 @@ class Cause:
 
     def applied(self, motion: Motion, coordinates: FloatArray, variant: str = ALL) -> Motion:
         """The motion with this cause at the given coordinates, kept within bounds."""
-        values = np.array(
-            [
-                p.value(float(np.clip(u, *p.bounds)))
-                for p, u in zip(self.parameters, coordinates, strict=True)
-            ]
-        )
-        return self.change(motion, values, variant)
+        return self.change(motion, self.values(coordinates), variant)
+
+    def values(self, coordinates: FloatArray) -> FloatArray:
+        """(parameters,) values at coordinates, kept within bounds."""
+        pairs = zip(self.parameters, coordinates.tolist(), strict=True)
+        return np.array([p.believed(u) for p, u in pairs])
 
 
 def sides(variant: str) -> tuple[bool, bool]:

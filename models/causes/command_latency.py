@@ -9,13 +9,15 @@ from models.causes.cause import Cause, Parameter
 from models.causes.motion import Motion
 
 ELSEWHERE = 5e-4
-"""s, measured in sound robots that circle, as are the other causes'."""
+"""s, measured in sound robots of the rigid-body world that circle, as are the other causes'."""
 UNSURE = 3e-4
-"""s: in searching swarms whose latency was 2 to 25 ms it came out up to 0.7 ms short."""
+"""s: measured by injecting latencies of 2 to 25 ms into searching swarms of the rigid-body world:
+they came out up to 0.7 ms short."""
 FEIGNS = {"weak_motor": 0.04, "motor_lag": 0.002}
-"""Beside late commands or poses, in swarms whose latency was 2 to 25 ms: motors seemed up to 15 %
-weaker and to lag by up to 8 ms, and latency up to 5 ms shorter; by itself it is told within 0.7 ms.
-A quarter of the former, for names begin at 4.5 such deviations."""
+"""Measured by injecting latencies of 2 to 25 ms into swarms of the rigid-body world: beside late
+commands or poses motors seemed up to 15 % weaker and to lag by up to 8 ms, and latency up to 5 ms
+shorter; by itself it is told within 0.7 ms. A quarter of the former, for names begin at 4.5 such
+deviations."""
 
 
 def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:

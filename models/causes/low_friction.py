@@ -1,4 +1,9 @@
-"""The wheels slip when they speed up or brake: the floor or the tyres are smooth."""
+"""The wheels slip when they speed up or brake: the floor or the tyres are smooth.
+
+Told is the share of the healthy acceleration at which they begin to slip. A healthy robot's wheels
+hold all that its motors give, so that grip beyond that does not show: a share is never above 1, and
+is no ratio of coefficients of friction, which is smaller.
+"""
 
 from __future__ import annotations
 
@@ -8,16 +13,11 @@ import numpy as np
 
 from embedded_sim.model import FloatArray
 from models.causes.cause import Cause, Parameter
+from models.causes.grip import HEALTHY, LEAST, limits, told_against
 from models.causes.motion import Motion
 
-FRICTION = 1.2
-"""Of an e-puck's rubber tyre on the floor. Our choice."""
-TRACTION = 290.0
-"""rad/s^2 of 20.5 mm wheels per unit of friction, measured on the nominal robot at 0.15 to 0.2: g
-times the wheels' share of the weight (0.73, the centre of mass being 8 mm ahead of the axle and the
-skid 30 mm) over the radius, times 0.83, because wheels that slip also slide sideways."""
-STARTS = (-1.2, -2.0)
-"""Coordinates to start from: friction of 0.36 and 0.16."""
+STARTS = (-0.6, -1.4)
+"""Coordinates to start from: a half and a quarter of what healthy wheels' grip gives."""
 FEIGNS = {
     "command_latency": 0.0105,
     "clock_offset": 0.0105,
@@ -27,19 +27,18 @@ FEIGNS = {
     "speed_droop": 2.5e-5,
     "tracker_offset": 1e-4,
 }
-"""Measured in 25 robots of the nominal world with a friction of 0.05 to 0.3, as what two minutes
-give beyond their uncertainty; so those of the other causes."""
+"""Measured by injecting this very effect into the rigid-body world: 25 robots of it with a friction
+of 0.05 to 0.3, as what two minutes give beyond their uncertainty; so those of the other causes.
+They are that world's, and may be other on other floors."""
 
 
 def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
-    friction = float(values[0])
-    most = TRACTION * friction
-    left, right = motion.drive.acceleration
-    if friction >= FRICTION or most >= min(left, right):
-        return motion
+    slipping = limits(motion, values)
+    if slipping >= motion.drive.acceleration:
+        return motion  # the motors give less than the wheels can hold
     return replace(
         motion,
-        drive=replace(motion.drive, acceleration=(most, most)),
+        drive=replace(motion.drive, acceleration=slipping),
         encoder_drive=motion.wheels,
     )
 
@@ -49,20 +48,21 @@ def _starts(commands: FloatArray) -> list[FloatArray]:
 
 
 def _as_twin(without: Motion, weak: Motion) -> float | None:
-    friction = min(weak.drive.acceleration) / TRACTION
-    return friction if friction < FRICTION else None
+    share = min(weak.drive.acceleration) / min(without.drive.acceleration)
+    return share if share < 1.0 else None
 
 
 CAUSE = Cause(
     name="low_friction",
-    meaning="the wheels slip on the floor when they speed up or brake",
+    meaning="the wheels slip on the floor when they speed up or brake, from a share of the healthy "
+    "acceleration on",
     parameters=(
         Parameter(
             name="friction",
             unit="1",
-            null=FRICTION,
-            low=0.002,
-            high=FRICTION,
+            null=1.0,
+            low=LEAST,
+            high=1.0,
             step=5e-2,
             link="factor",
             sign=-1,
@@ -70,6 +70,8 @@ CAUSE = Cause(
         ),
     ),
     change=_change,
+    given=(HEALTHY,),
+    told_against=told_against,
     family="transient",
     feigns=FEIGNS,
     confusable_with=("weak_motor", "motor_lag"),

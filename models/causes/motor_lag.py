@@ -15,8 +15,8 @@ RUSH, RUSHED = 0.226, 4.2
 """Largest logarithm of what a lag seems to add to the motors' acceleration, and the rad/s that the
 motors would gain in one time constant where it does. The point model's motor lags behind its
 command from the first moment; a real one first follows the lag as fast as it can, so that its limit
-matters less, and not at all once the lag is slower than the motor. Measured with 8 to 100 ms in
-the nominal world, as is `BEHIND`."""
+matters less, and not at all once the lag is slower than the motor. Measured by injecting lags of 8
+to 100 ms into the rigid-body world, as is `BEHIND`."""
 BEHIND, LONG = 0.0021, 0.010
 """s by which a lag seems longer than it is, and s of lag from which on it does."""
 STARTS = (0.02, 0.1)
@@ -30,7 +30,7 @@ FEIGNS = {
     "wheel_radius_scale": 0.0009,
     "speed_droop": 1e-5,
 }
-"""As for `low_friction`, with 15 to 100 ms."""
+"""As for `low_friction`, by injecting lags of 15 to 100 ms."""
 
 
 def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:

@@ -13,10 +13,11 @@ import numpy as np
 import numpy.typing as npt
 
 from embedded_sim.model import FloatArray
-from models.identify.fit import Problem, ridged
+from models.identify.fit import Problem
 from models.identify.hypothesis import Fit, Term
 from models.identify.residual import weights
 from models.identify.tracks import Tracks
+from models.information import inverted
 
 Mask = npt.NDArray[np.bool_]
 
@@ -144,7 +145,8 @@ def solved(
 ) -> tuple[FloatArray, FloatArray]:
     """(p,) step of weighted least squares that takes the errors off, and its covariance.
 
-    The covariance is by blocks, and never less than white noise leaves.
+    The covariance is by blocks, never less than white noise leaves, and infinite where the log does
+    not tell.
     """
     first, block = problem.tracks.first, problem.tracks.block
     p = columns.shape[2]
@@ -152,10 +154,8 @@ def solved(
     slope = np.add.reduceat(np.einsum("ncp,nc->np", weighted, errors), first)
     bend = np.einsum("ncp,ncq->npq", weighted, columns).reshape(len(w), p * p)
     bends = np.add.reduceat(bend, first).reshape(-1, p, p)
-    inverse = np.linalg.inv(ridged(bends.sum(axis=0)[None])[0])
-    step = -inverse @ slope.sum(axis=0)
+    inverse = inverted(bends.sum(axis=0))
+    step = -inverse.step(slope.sum(axis=0))
     left = slope + bends @ step
-    total = np.column_stack([np.bincount(block, left[:, k]) for k in range(p)])
-    covariance = inverse @ (total.T @ total) @ inverse
-    grow = np.sqrt(np.maximum(1.0, np.diag(inverse) / np.maximum(np.diag(covariance), 1e-300)))
-    return step, covariance * np.outer(grow, grow)
+    total = np.column_stack([np.bincount(block, left[:, k]) for k in range(p)]).astype(np.float64)
+    return step, inverse.sandwich(total.T @ total)

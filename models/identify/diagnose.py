@@ -16,6 +16,7 @@ from models.identify.predict import poses
 from models.identify.structure import Follow, follows
 from models.identify.swarm import Identified, identify
 from models.identify.tracks import Tracks, cut_tracks
+from models.identify.unmeasured import unmeasured
 from models.log import MeasuredLog
 from models.modelfile import ModelFile
 from models.reference import Reference, no_reference
@@ -73,7 +74,10 @@ def diagnose(
         named=found.named,
         unexplained=left,
         gain=_gain(tracks, believed, found, np.random.default_rng(seed)),
-        not_checked=_not_checked(tracks, reference),
+        not_checked=(
+            *_not_checked(tracks, reference),
+            *unmeasured(tracks, found.base, healthy, structure),
+        ),
         notes=log.notes,
         robots=tracks.robots,
         reference="" if reference is None else reference.model,

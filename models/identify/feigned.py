@@ -19,11 +19,12 @@ from embedded_sim.model import FloatArray
 from models.causes import Cause
 from models.identify.candidates import candidates
 from models.identify.choice import Choice, Evidence, Mimic
-from models.identify.fit import Problem, ridged
+from models.identify.fit import Problem
 from models.identify.hypothesis import Fit, Term
 from models.identify.measure import distance
 from models.identify.residual import weights
 from models.identify.twins import Twins
+from models.information import inverted
 from models.reference import Reference
 
 
@@ -77,7 +78,7 @@ def _of_health(problem: Problem, kept: Fit, reference: Reference) -> FloatArray:
     names = {term.cause.name for term in kept.terms}
     changes = []
     for other in candidates():
-        if other.cause.name in names or not _linear(other):
+        if other.cause.name in names or not _linear(other) or not reference.knows(other.key):
             continue
         terms = (*kept.terms, other)
         size = len(other.cause.parameters)
@@ -89,9 +90,9 @@ def _of_health(problem: Problem, kept: Fit, reference: Reference) -> FloatArray:
         return np.zeros(kept.coordinates.shape[1])
     own = problem.jacobian(kept.terms, kept.coordinates, kept.residual)
     pulled = own * weights(kept.residual, problem.row_scale)[:, :, None]
-    curvature = ridged(np.einsum("ncp,ncq->pq", pulled, own)[None])[0]
+    inverse = inverted(np.einsum("ncp,ncq->pq", pulled, own)).matrix
     slope = np.einsum("ncp,ncq->pq", pulled, np.dstack(changes))
-    return np.asarray(np.sqrt((np.linalg.solve(curvature, slope) ** 2).sum(axis=1)))
+    return np.asarray(np.sqrt(((inverse @ slope) ** 2).sum(axis=1)))
 
 
 def _far(problem: Problem, one: Evidence, extra: FloatArray, reference: Reference) -> bool:

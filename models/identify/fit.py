@@ -20,6 +20,7 @@ from models.identify.hypothesis import Fit, Terms
 from models.identify.predict import poses
 from models.identify.residual import Fitter, deviance, weights
 from models.identify.tracks import Rows, Tracks
+from models.information import inverted
 
 ITERATIONS = 15
 CONVERGED = 3e-2
@@ -33,8 +34,6 @@ FOLDS = 5
 """Parts into which a robot's blocks are dealt in turn for held-out deviances."""
 TINY = 1e-9
 """Deviance that is none."""
-RIDGE = 1e-9
-"""Relative curvature added where a parameter has no effect."""
 NORMAL = 1.4826
 
 
@@ -236,16 +235,10 @@ class Problem:
             )
         jacobian = self.jacobian(terms, here, residual)
         curvature, _, (slopes, bends) = self._normal(residual, jacobian)
-        inverse = np.linalg.inv(ridged(curvature))
-        covariance = inverse @ self._meat(slopes) @ inverse
-        plain = np.einsum("gpp->gp", inverse)
-        sand = np.einsum("gpp->gp", covariance)
-        grow = np.sqrt(np.maximum(1.0, plain / np.maximum(sand, 1e-12 * plain)))
-        covariance = covariance * grow[:, :, None] * grow[:, None, :]
         return Fit(
             terms=terms,
             coordinates=here,
-            covariance=covariance,
+            covariance=inverted(curvature).sandwich(self._meat(slopes)),
             residual=residual,
             held_out=residual + self._moved(jacobian, slopes, bends, curvature),
         )
@@ -281,20 +274,11 @@ class Problem:
             out = fold == k
             less = curvature - self.by_group(bends * out[:, None, None])
             pull = self.by_group(slopes * out[:, None])
-            step = np.linalg.solve(ridged(less), pull[:, :, None])[:, :, 0]
+            step = inverted(less).step(pull)
             rows = out[window]
             mine = self.window_group[window[rows]]
             moved[rows] = np.einsum("ncp,np->nc", jacobian[rows], step[mine])
         return moved
-
-
-def ridged(curvature: FloatArray) -> FloatArray:
-    """Curvature made invertible where a parameter has no effect at all."""
-    p = curvature.shape[1]
-    diagonal = np.einsum("gpp->gp", curvature)
-    floor = RIDGE * np.maximum(diagonal.max(axis=1), 1.0)
-    grown = floor[:, None, None] * np.eye(p) + RIDGE * diagonal[:, :, None] * np.eye(p)
-    return np.asarray(curvature + grown)
 
 
 def _solve(curvature: FloatArray, gradient: FloatArray, damping: FloatArray) -> FloatArray:
@@ -302,4 +286,4 @@ def _solve(curvature: FloatArray, gradient: FloatArray, damping: FloatArray) -> 
     p = curvature.shape[1]
     diagonal = np.einsum("gpp->gp", curvature)
     damped = curvature + damping[:, None, None] * diagonal[:, :, None] * np.eye(p)
-    return np.asarray(np.linalg.solve(ridged(damped), gradient[:, :, None])[:, :, 0])
+    return inverted(damped).step(gradient)

@@ -32,7 +32,7 @@ class Fit:
     coordinates: FloatArray
     """(groups, p)."""
     covariance: FloatArray
-    """(groups, p, p) by blocks."""
+    """(groups, p, p) by blocks; infinite for a coordinate that the data do not tell."""
     residual: FloatArray
     """(n, 3) errors at the optimum, in noise."""
     held_out: FloatArray

@@ -63,24 +63,31 @@ def distance(
 ) -> FloatArray:
     """(groups,) standard deviations between a term's strength and the healthy value.
 
+    What the fit does not tell, or nobody has measured in healthy robots, counts for nothing.
+
     Args:
         term: Fitted.
         coordinates: (groups, p).
         covariance: (groups, p, p).
         commands: (rows, 2) of the log.
         mean: (p,) healthy strength.
-        sd: (p,) healthy spread.
+        sd: (p,) healthy spread; infinite where it is not known.
         jumped: (groups,) what `jump` says, all there is for a term whose effect jumps.
     """
     if not term.cause.smooth:
         return jumped
-    away = strength(term, coordinates, commands) - mean
-    error = uncertainty(term, coordinates, covariance)
-    p = coordinates.shape[1]
-    diagonal = np.sqrt(np.maximum(np.einsum("gpp->gp", covariance), 1e-300))
-    related = covariance / (diagonal[:, :, None] * diagonal[:, None, :])
     wide = np.hypot(sd, [one.elsewhere for one in term.cause.parameters])
-    total = related * error[:, :, None] * error[:, None, :] + np.eye(p) * wide**2
-    total = total + np.eye(p) * 1e-18
+    error = uncertainty(term, coordinates, covariance)
+    told = np.isfinite(error) & np.isfinite(wide)
+    away = np.where(told, strength(term, coordinates, commands) - mean, 0.0)
+    error, wide = np.where(told, error, 0.0), np.where(told, wide, 1.0)
+    both = told[:, :, None] & told[:, None, :]
+    inside = np.where(both, covariance, 0.0)
+    diagonal = np.sqrt(np.maximum(np.einsum("gpp->gp", inside), 1e-300))
+    related = inside / (diagonal[:, :, None] * diagonal[:, None, :])
+    p = coordinates.shape[1]
+    total = related * error[:, :, None] * error[:, None, :]
+    total = total + np.eye(p) * (wide**2 + 1e-18)[:, None, :]
     square = np.einsum("gp,gp->g", away, np.linalg.solve(total, away[:, :, None])[:, :, 0])
-    return np.asarray(np.sqrt(np.maximum(square - (p - 1), 0.0)))
+    free = np.maximum(told.sum(axis=1) - 1, 0)
+    return np.asarray(np.sqrt(np.maximum(square - free, 0.0)))

@@ -93,7 +93,7 @@ def follows(tracks: Tracks, motions: Sequence[Motion]) -> list[Follow]:
     errors = problem.fitter(predicted)
     problem.scale = problem.spread(errors)
     w = weights(errors, problem.row_scale)
-    step = _Steps(tracks, predicted)
+    step, at = _Steps(tracks, predicted), problem.fitter.aligned(predicted)
     found = []
     for (quantity, part), values in _quantities(tracks, motions).items():
         q = _standardised(problem, values[tracks.rows])
@@ -101,11 +101,11 @@ def follows(tracks: Tracks, motions: Sequence[Motion]) -> list[Follow]:
             continue
         for channel in BODY:
             change = step.change(channel, q)
-            column = problem.fitter.derivative(predicted[:, :2], change, predicted[:, 2])
+            column = problem.fitter.derivative(at, change)
             size, error, gain = _least_squares(problem, column, errors, w)
             found.append(Follow(channel, quantity, part, size, error, gain))
     change = step.of_wheels(_wheel_speeds(problem), _axles(tracks, motions))
-    column = problem.fitter.derivative(predicted[:, :2], change, predicted[:, 2])
+    column = problem.fitter.derivative(at, change)
     found.append(Follow(*OF_WHEELS, *_least_squares(problem, column, errors, w)))
     return found
 
@@ -120,10 +120,10 @@ def columns(
     """
     problem = Problem(tracks, motions)
     predicted = poses(tracks, motions)
-    step = _Steps(tracks, predicted)
+    step, at = _Steps(tracks, predicted), problem.fitter.aligned(predicted)
 
     def column(change: FloatArray) -> FloatArray:
-        return problem.fitter.derivative(predicted[:, :2], change, predicted[:, 2])
+        return problem.fitter.derivative(at, change)
 
     found: dict[tuple[str, str], list[FloatArray]] = {}
     for (quantity, part), values in _quantities(tracks, motions).items():

@@ -19,7 +19,7 @@ from models.identify.screen import Glance, glance
 from models.identify.select import FAMILY, choose
 from models.identify.tracks import Tracks
 from models.identify.twins import tell_apart
-from models.identify.value import Value, bracket, values
+from models.identify.value import Value, bracket, told, values
 from models.reference import Reference
 
 LEAST_SWARM = 3
@@ -46,6 +46,8 @@ class Named:
     """Ids of the robots that have it."""
     whole_swarm: bool
     values: tuple[Value, ...]
+    given: tuple[Value, ...] = ()
+    """What they are told against, such as a healthy robot's acceleration."""
     evidence: Evidence
     twins: tuple[Term, ...]
     """Causes that act exactly alike on what this log holds."""
@@ -161,9 +163,9 @@ def _names(
     fit = choice.fit
     swapped = {}
     for evidence in choice.named:
-        found = tell_apart(problem, fit, evidence.term)
-        swapped[evidence.term] = found
-        fit = found.fit
+        apart = tell_apart(problem, fit, evidence.term)
+        swapped[evidence.term] = apart
+        fit = apart.fit
     group = len(problem.tracks.robots) > 1
     named = []
     believed, mimics = believable(problem, choice, swapped, reference)
@@ -175,7 +177,7 @@ def _names(
         if twins.chosen != evidence.term:  # the healthy mean is in the representative's coordinate
             mean = np.zeros(size)
         if twins.chosen.cause.smooth:
-            told = values(
+            found = values(
                 twins.chosen,
                 fit.coordinates[0, at],
                 fit.covariance[0, at, at],
@@ -185,13 +187,14 @@ def _names(
                 feigned(twins, [swapped[o.term] for o in believed if o is not evidence]),
             )
         else:
-            told = (_threshold(problem, fit.terms, fit.coordinates, at.start, twins.chosen),)
+            found = (_threshold(problem, fit.terms, fit.coordinates, at.start, twins.chosen),)
         named.append(
             Named(
                 term=twins.chosen,
                 robots=problem.tracks.robots,
                 whole_swarm=swarm,
-                values=told,
+                values=found,
+                given=_given(twins.chosen, problem.base[0]),
                 evidence=evidence,
                 twins=twins.others,
             )
@@ -206,9 +209,16 @@ def _names(
 def _threshold(
     problem: Problem, terms: Terms, coordinates: FloatArray, at: int, term: Term
 ) -> Value:
-    parameter = term.cause.parameters[0]
-    told = bracket(problem, terms, coordinates, at)
-    return Value(parameter.name, told.mean, told.low, told.high, parameter.unit)
+    between = bracket(problem, terms, coordinates, at)
+    return told(term.cause.parameters[0], between.mean, between.low, between.high)
+
+
+def _given(term: Term, healthy: Motion) -> tuple[Value, ...]:
+    """What a term's values are told against."""
+    if term.cause.told_against is None:
+        return ()
+    pairs = zip(term.cause.given, term.cause.told_against(healthy).tolist(), strict=True)
+    return tuple(told(p, value, value, value) for p, value in pairs)
 
 
 def _sharing(

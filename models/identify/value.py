@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from embedded_sim.model import FloatArray
+from models.causes import Parameter
 from models.identify.fit import Problem
 from models.identify.hypothesis import Term, Terms
 from models.identify.measure import strength, uncertainty
@@ -14,6 +15,8 @@ from models.identify.residual import deviance
 
 NOMINAL = 1.96
 """Standard deviations of a normal variable on each side of 95 %."""
+MOST_LOG = 700.0
+"""Largest logarithm of a number that a computer holds."""
 PROFILE = 6.0
 """Deviance within which a threshold that jumps between commanded speeds remains possible; twice
 what 95 % of a smooth parameter asks for, because neighbouring speeds are few."""
@@ -54,27 +57,31 @@ def values(
     """
     limits = any(not np.isfinite(p.null) for p in term.cause.parameters)
     error = uncertainty(term, coordinates[None], covariance[None])[0]
-    half = NOMINAL * np.sqrt(error**2 + sd**2)
+    half = NOMINAL * np.hypot(error, sd)
     if limits:
         deep = strength(term, coordinates[None], commands)[0]
-        fastest = float(np.abs(commands).max(initial=1e-9))
+        fastest = float(np.log(np.abs(commands).max(initial=1e-9)))
         return tuple(
-            Value(
-                p.name,
-                fastest * float(np.exp(-e)),
-                fastest * float(np.exp(-e - h)),
-                fastest * float(np.exp(-e + h)),
-                p.unit,
-            )
+            told(p, *(_exp(fastest - e + side) for side in (0.0, -h, h)))
             for p, e, h in zip(term.cause.parameters, deep, half, strict=True)
         )
     found = []
     for p, u, h in zip(term.cause.parameters, coordinates - mean, half, strict=True):
         rough = np.hypot.reduce([p.doubt * abs(u), p.unsure, feigned])
         h = float(np.hypot(h, NOMINAL * rough))
-        low, value, high = (p.value(float(np.clip(v, *p.bounds))) for v in (u - h, u, u + h))
-        found.append(Value(p.name, value, low, high, p.unit))
+        found.append(told(p, *(p.believed(float(v)) for v in (u, u - h, u + h))))
     return tuple(found)
+
+
+def told(parameter: Parameter, value: float, low: float, high: float) -> Value:
+    """A value and the ends of its interval, which may be infinite, kept within bounds."""
+    p = parameter
+    return Value(p.name, p.kept(value), p.kept(low), p.kept(high), p.unit)
+
+
+def _exp(log: float) -> float:
+    """Of any number, however large."""
+    return float(np.exp(min(log, MOST_LOG)))
 
 
 class Bracket(NamedTuple):

@@ -19,6 +19,7 @@ from embedded_sim.model import FloatArray
 from embedded_sim.pilot import fly
 from embedded_sim.probes import MENU, Probe
 from models.conditions import NEAR_ROBOT, NEAR_WALL
+from models.information import inverted
 
 SECONDS = 120.0
 """s of a proposed run: as long as the logs that the diagnosis is made for."""
@@ -109,13 +110,19 @@ def distance(errors: FloatArray, columns: FloatArray, covariance: FloatArray) ->
     Args:
         errors: (n,) of the second about the first, in noise.
         columns: (n, p) their change with the second's coordinates.
-        covariance: (p, p) of those coordinates, as the log leaves them.
+        covariance: (p, p) of those coordinates, as the log leaves them; infinite where it does not
+            tell.
     """
     square = float(errors @ errors)
     if columns.shape[1]:
         pull = columns.T @ errors
-        known = np.linalg.inv(covariance + 1e-12 * np.eye(len(pull)) * np.trace(covariance))
-        square -= float(pull @ np.linalg.solve(columns.T @ columns + known, pull))
+        told = np.isfinite(np.diag(covariance))
+        inside = covariance[np.ix_(told, told)]
+        known = np.zeros_like(covariance)
+        known[np.ix_(told, told)] = np.linalg.inv(
+            inside + 1e-12 * np.eye(len(inside)) * np.trace(inside)
+        )
+        square -= float(pull @ inverted(columns.T @ columns + known).step(pull))
     return float(np.sqrt(max(square, 0.0)))
 
 

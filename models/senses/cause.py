@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from embedded_sim import PointModel
 from embedded_sim.model import FloatArray
 from embedded_sim.senses import Senses
@@ -68,11 +66,7 @@ class SenseCause(Cause):
 
     def believed(self, belief: Belief, coordinates: FloatArray, variant: str = ALL) -> Belief:
         """The belief with this cause at the given coordinates, kept within bounds."""
-        values = [
-            p.value(float(np.clip(u, *p.bounds)))
-            for p, u in zip(self.parameters, coordinates, strict=True)
-        ]
-        return self.sense(belief, np.array(values), variant)
+        return self.sense(belief, self.values(coordinates), variant)
 
 
 def chosen(variant: str) -> list[int]:

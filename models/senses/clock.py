@@ -18,8 +18,10 @@ from models.causes.withheld import withheld
 from models.diagnosis import Unexplained
 from models.identify.hypothesis import Term
 from models.identify.swarm import Named
+from models.identify.value import told
+from models.information import inverted
 from models.senses.predicted import predict
-from models.senses.problem import DEGREES, STRETCH, Problem, ridged
+from models.senses.problem import DEGREES, STRETCH, Problem
 from models.senses.reference import Level
 from models.senses.sight import Rows, Sight
 from models.sensing import HALF
@@ -75,13 +77,15 @@ def _fitted(columns: FloatArray, start: FloatArray, block: Rows) -> tuple[float,
     for _ in range(ITERATIONS):
         left = start.ravel() + at @ flat
         pull = flat * ((DEGREES + 1.0) / (DEGREES + left**2))
-        at -= np.linalg.solve(ridged(pull @ flat.T), pull @ left)
-    inverse = np.linalg.inv(ridged(pull @ flat.T))
+        inverse = inverted(pull @ flat.T)
+        at -= inverse.step(pull @ left)
     each = (pull * (start.ravel() + at @ flat)).reshape(len(columns), len(start), -1).sum(axis=2)
     label = np.unique(block, return_inverse=True)[1]
-    meat = np.stack([np.bincount(label, one) for one in each])
-    sand = inverse @ (meat @ meat.T) @ inverse
-    return float(at[0]), float(STRETCH * np.sqrt(max(sand[0, 0], inverse[0, 0])))
+    meat = np.stack([np.bincount(label, one) for one in each]).astype(np.float64)
+    variance = float(inverse.sandwich(meat @ meat.T)[0, 0])
+    if not np.isfinite(variance):
+        return float("nan"), float("inf")
+    return float(at[0]), STRETCH * float(np.sqrt(variance))
 
 
 def _velocity(sight: Sight) -> FloatArray:
@@ -101,7 +105,7 @@ def _velocity(sight: Sight) -> FloatArray:
 
 
 def told_apart(
-    one: Named, robots: Sequence[int], shift: Shift, healthy: Level
+    one: Named, robots: Sequence[int], shift: Shift, healthy: Level | None
 ) -> Named | Unexplained:
     """A name of motion with the sensors' word on which of the twins it is, or what is neither.
 
@@ -109,10 +113,12 @@ def told_apart(
         one: Named by motion.
         robots: Ids, in the order of `shift`.
         shift: Of poses against the readings.
-        healthy: The same of healthy robots.
+        healthy: The same of healthy robots; None: it was not measured, and sensors say nothing.
     """
     twin = next((name for name in TWINS if name != one.term.cause.name), "")
-    seen = _deviances(one, robots, shift, healthy) if one.term.cause.name in TWINS else None
+    if healthy is None or one.term.cause.name not in TWINS:
+        return one
+    seen = _deviances(one, robots, shift, healthy)
     if seen is None:
         return one
     late, in_time = seen
@@ -125,8 +131,11 @@ def told_apart(
         return _neither(one)
     possible = twin in {t.cause.name for t in (*one.twins, *one.evidence.rivals)}
     other = Term(causes()[twin], one.term.variant)
-    # where the encoders have excluded the twin, they and the sensors contradict each other
-    return _alone(replace(one, term=other)) if possible else replace(one, twins=(other,))
+    seconds, (found, *_) = other.cause.parameters[0], one.values
+    if not possible or seconds.kept(found.value) != found.value:
+        return replace(one, twins=(other,))  # the encoders, or what is believed, contradict
+    values = (told(seconds, found.value, found.low, found.high),)
+    return _alone(replace(one, term=other, values=values))
 
 
 def _alone(one: Named) -> Named:
@@ -145,9 +154,9 @@ def _deviances(
     weight = 1.0 / (shift.error[mine] ** 2 + healthy.sd**2)
     found = float((weight * shift.seconds[mine]).sum() / weight.sum()) - healthy.mean
     value = one.values[0]
-    told = (value.high - value.low) / (2.0 * 1.96)
+    error = (value.high - value.low) / (2.0 * 1.96)
     wide = float(np.hypot(weight.sum() ** -0.5, LEAST_ERROR))
-    return (found - value.value) ** 2 / (wide**2 + told**2), found**2 / wide**2
+    return (found - value.value) ** 2 / (wide**2 + error**2), found**2 / wide**2
 
 
 def _neither(one: Named) -> Unexplained:

@@ -27,6 +27,7 @@ from models.senses.reference import SenseReference, no_sense_reference
 from models.senses.select import Found, choose
 from models.senses.sight import Bools, Sight, look
 from models.senses.structure import Follow
+from models.senses.unmeasured import unmeasured_causes, unmeasured_structure
 from models.senses.unnamed import named_or_not
 from models.sensing import scenarios
 
@@ -83,12 +84,12 @@ def diagnose_senses(
         seen: As for `look`: robots whose markers motion has found askew.
         moved: As for `look`: robots in whose motion something was named.
     """
-    missing = list(_missing(log, model, reference))
+    healthy = no_sense_reference("") if reference is None else reference
+    missing = [*_missing(log, model, reference), *unmeasured_causes(log, model, healthy)]
     named = _nest(log, model, missing)
     if model.tables is None or not any(name in log.frame for name in (*PS, *LS)):
         named, unnamed = named_or_not(named)
         return SenseExamination(named=named, unexplained=unnamed, not_checked=tuple(missing))
-    healthy = no_sense_reference("") if reference is None else reference
     sight = look(log, model, seen, moved=moved)
     common = Belief(senses=model.senses)
     base = [healthy.base((believed or {}).get(robot, common)) for robot in sight.robots]
@@ -119,7 +120,7 @@ def diagnose_senses(
     return SenseExamination(
         named=named,
         unexplained=(*judged.unexplained, *unnamed),
-        not_checked=tuple(missing),
+        not_checked=(*missing, *unmeasured_structure(judged.structure, healthy)),
         sight=sight,
         problem=problem,
         fit=judged.fit,
@@ -202,10 +203,12 @@ def _noise(
     The scale is 0 where it is healthy. `expected` (rows, 16) are a healthy robot's counts: which
     readings tell of noise must not depend on the faults found.
     """
+    level = healthy.noise
+    if level is None:
+        return [(0.0, np.inf, False)] * len(sight.robots)
     plain = Problem(sight, model, beliefs, use)
     residual = plain.residual((), np.zeros(0))
     scale = noise_scale(sight, residual, expected, use)
-    level = healthy.noise
     value, error = scale.value - level.mean, np.hypot(scale.error, level.sd)
     known = np.isfinite(value)
     shared = 0.0
@@ -246,11 +249,12 @@ def _wall_or_sensors(one: Found, problem: Problem, fit: Fit, healthy: SenseRefer
     told, error = of_robots(sight, model, counts, np.isfinite(sight.read[:, :SENSORS]))
     mean, sd = healthy.spread(one.term.key, 1, swarm=True)
     size, size_error = float(one.coordinates[0] - mean[0]), float(np.hypot(one.error[0], sd[0]))
-    wide = max(float(np.hypot(error, healthy.targets.swarm_sd)), LEAST_ERROR)
-    if not np.isfinite(told):
+    usual = healthy.targets
+    if usual is None or not np.isfinite(told):
         return replace(one, term=albedo, rivals=(gain,))
-    of_wall = abs(told - healthy.targets.mean) / wide
-    of_sensors = abs(told - healthy.targets.mean - size) / np.hypot(wide, size_error)
+    wide = max(float(np.hypot(error, usual.swarm_sd)), LEAST_ERROR)
+    of_wall = abs(told - usual.mean) / wide
+    of_sensors = abs(told - usual.mean - size) / np.hypot(wide, size_error)
     rivals = tuple(t for t in one.rivals if t.cause.name not in names)
     if of_wall < AGREES and of_sensors > DISAGREES:
         return replace(one, term=albedo, rivals=rivals)

@@ -8,16 +8,15 @@ import numpy as np
 
 from embedded_sim.model import FloatArray
 from models.causes.withheld import withheld
+from models.information import inverted
 from models.senses.causes import sense_causes
 from models.senses.problem import (
-    FOLDS,
     STRETCH,
     SWARM,
     Column,
     Fit,
     Problem,
     Term,
-    ridged,
     spanned,
 )
 
@@ -115,14 +114,12 @@ def _step(
     mine = [Column(rows, c.values[rows]) for c in columns]
     together = [*kept.columns, *mine]
     slope, bend = problem.normal(kept.residual, together)
-    total = ridged(bend.sum(axis=0))
-    step = -np.linalg.solve(total, slope.sum(axis=0))
-    inverse = np.linalg.inv(total)
+    inverse = inverted(bend.sum(axis=0))
+    step = -inverse.step(slope.sum(axis=0))
     centred = slope - slope.mean(axis=0)
-    sand = np.diag(inverse @ (centred.T @ centred) @ inverse)
-    error = np.sqrt(np.maximum(sand, np.diag(inverse)))
+    error = np.sqrt(np.diag(inverse.sandwich(centred.T @ centred)))
     span = spanned(together, len(kept.residual))
-    moved = problem.moved(kept.residual, together, step + _left(problem, slope, bend), span)
+    moved = problem.moved(kept.residual, together, problem.left_out(slope, bend), span)
     touched = np.bincount(problem.sight.block[span], minlength=problem.blocks) > 0
     won = np.where(touched, kept.held_out - problem.deviance(moved, span), 0.0)
     own = step[len(kept.columns) :]
@@ -135,16 +132,3 @@ def _step(
     wide[len(start) - len(own) :] = STRETCH * error[len(kept.columns) :]
     begun = np.concatenate([kept.coordinates + step[: len(kept.columns)], coordinates])
     return Promise(term, gain, coordinates, begun, wide)
-
-
-def _left(problem: Problem, slope: FloatArray, bend: FloatArray) -> FloatArray:
-    """(folds, p) difference of each fold's left-out step from the whole step."""
-    total = bend.sum(axis=0)
-    whole = -np.linalg.solve(ridged(total), slope.sum(axis=0))
-    steps = []
-    for k in range(FOLDS):
-        out = problem.fold == k
-        rest = total - bend[out].sum(axis=0)
-        left = slope.sum(axis=0) - slope[out].sum(axis=0)
-        steps.append(-np.linalg.solve(ridged(rest), left) - whole)
-    return np.array(steps)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -125,7 +126,7 @@ def make_sense_reference(
         )
     noise = np.concatenate([log.noise for log in logs])
     noise_error = np.concatenate([log.noise_error for log in logs])
-    swarm = np.array([np.nanmedian(log.noise) if len(log.noise) else np.nan for log in logs])
+    swarm = np.array([_median(log.noise) for log in logs])
     targets = np.array([log.targets for log in logs])
     clock = np.concatenate([log.clock for log in logs])
     structure, joint = of_healthy([log.structure for log in logs])
@@ -153,6 +154,7 @@ def _spread(
         return (), (), 0.0, 0.0
     value = np.array([one.value for one in seen])
     error = np.array([one.error for one in seen])
+    error = np.where(np.isfinite(error), error, 0.0)
     moved = error > 0.0
     usable = np.where(moved, value, 0.0)
     mean = np.median(usable, axis=0)
@@ -163,10 +165,16 @@ def _spread(
     return tuple(mean.tolist()), tuple(sd.tolist()), far, max(gain, 0.0)
 
 
-def _level(value: FloatArray, error: FloatArray, swarm: FloatArray) -> Level:
+def _median(values: FloatArray) -> float:
+    """Of those that are known; NaN where none is."""
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if len(known) else math.nan
+
+
+def _level(value: FloatArray, error: FloatArray, swarm: FloatArray) -> Level | None:
     known = np.isfinite(value)
     if not known.any():
-        return Level()
+        return None
     mean = float(np.median(value[known]))
     wide = float(np.std(value[known]))
     sd = float(np.sqrt(max(wide**2 - float(np.median(error[known])) ** 2, (0.5 * wide) ** 2)))

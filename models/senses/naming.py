@@ -13,7 +13,7 @@ from models.causes.cause import ALL
 from models.identify import hypothesis as motion
 from models.identify.choice import Evidence
 from models.identify.swarm import Named
-from models.identify.value import Value
+from models.identify.value import Value, told
 from models.senses.cause import SenseCause
 from models.senses.causes import sense_causes
 from models.senses.nest import NestFound
@@ -54,7 +54,7 @@ def fitted_named(
                 robots if swarm else (robots[one.term.robot],),
                 _values(one.term.cause, change, np.hypot(one.error, sd)),
                 evidence,
-                whole=swarm and len(robots) >= LEAST_SWARM,
+                shared=swarm and len(robots) >= LEAST_SWARM,
                 rivals=rivals,
                 gains=one.gains,
             )
@@ -77,16 +77,20 @@ def dead_named(blind: Bools, robots: tuple[int, ...]) -> tuple[Named, ...]:
 def noise_named(
     noisy: Sequence[tuple[float, float, bool]], robots: tuple[int, ...]
 ) -> tuple[Named, ...]:
-    """Robots with other noise: (logarithm of scale, error, shared by the swarm)."""
+    """Robots with other noise: (logarithm of scale, error, shared by the swarm).
+
+    Robots whose noise nobody could tell have an infinite error: they share what the others do, and
+    say nothing of it.
+    """
     cause = sense_causes()["ir_noise"]
     named = []
-    shared = [(u, e) for u, e, swarm in noisy if swarm and u != 0.0]
+    shared = [(u, e) for u, e, swarm in noisy if swarm and u != 0.0 and np.isfinite(e)]
     if shared:
         value = np.array([float(np.median([u for u, _ in shared]))])
         error = np.array([float(np.median([e for _, e in shared])) / len(shared) ** 0.5])
         evidence = _evidence(cause, ALL, value, 0.0, 1.0, float(abs(value[0]) / error[0]))
         values = _values(cause, value, error)
-        named.append(_named(cause, ALL, robots, values, evidence, whole=True))
+        named.append(_named(cause, ALL, robots, values, evidence, shared=True))
     for robot, (u, e, swarm) in zip(robots, noisy, strict=True):
         if u != 0.0 and not swarm:
             value, error = np.array([u]), np.array([e])
@@ -108,7 +112,7 @@ def nest_named(found: Sequence[NestFound]) -> tuple[Named, ...]:
                 one.robots,
                 _values(cause, one.coordinates, one.error),
                 evidence,
-                whole=one.whole_swarm,
+                shared=one.whole_swarm,
                 rivals=tuple(motion.Term(sense_causes()[name], ALL) for name in one.rivals),
             )
         )
@@ -117,13 +121,11 @@ def nest_named(found: Sequence[NestFound]) -> tuple[Named, ...]:
 
 def _values(cause: SenseCause, coordinates: FloatArray, error: FloatArray) -> tuple[Value, ...]:
     """Physical values with 95 % intervals."""
-    told = []
+    found = []
     for p, u, e in zip(cause.parameters, coordinates, error, strict=True):
-        wide = float(np.hypot(np.hypot(e, p.doubt * abs(u)), p.unsure))
-        ends = (float(np.clip(u + side * NOMINAL * wide, *p.bounds)) for side in (-1.0, 0.0, 1.0))
-        low, value, high = (p.value(end) for end in ends)
-        told.append(Value(p.name, value, low, high, p.unit))
-    return tuple(told)
+        half = NOMINAL * float(np.hypot.reduce([e, p.doubt * abs(u), p.unsure]))
+        found.append(told(p, *(p.believed(float(v)) for v in (u, u - half, u + half))))
+    return tuple(found)
 
 
 def _evidence(
@@ -152,14 +154,16 @@ def _named(
     values: tuple[Value, ...],
     evidence: Evidence,
     *,
-    whole: bool = False,
+    shared: bool = False,
     rivals: tuple[motion.Term, ...] = (),
     gains: tuple[tuple[str, float], ...] = (),
 ) -> Named:
+    """A cause with whose it is: of the place, whose robots all have it, however many they are; of
+    all robots, where a swarm shares it; or of those given."""
     return Named(
         term=motion.Term(cause, variant),
         robots=robots,
-        whole_swarm=whole,
+        whole_swarm=cause.place or shared,
         values=values,
         evidence=replace(evidence, rivals=rivals, gains=gains or ((cause.name, evidence.gain),)),
         twins=(),

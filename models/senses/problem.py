@@ -17,6 +17,7 @@ import numpy.typing as npt
 from embedded_sim import SENSORS, PointModel
 from embedded_sim.model import FloatArray
 from models.causes.cause import ALL
+from models.information import inverted
 from models.senses.cause import Belief, SenseCause
 from models.senses.predicted import noise, predict
 from models.senses.sight import NEAREST_LAMP, Bools, Sight, too_near
@@ -30,9 +31,6 @@ CONVERGED = 0.05
 STRETCH = 1.36
 """How far the optimum lies beyond one step with the weights as curvature, and its error beyond what
 they give: the ratio of mean weight to mean curvature of such a deviance for normal errors."""
-RIDGE = 1e-10
-LEAST_SAND = 1e-12
-"""Of the variance that the weights give, least that blocks are taken to give."""
 SWARM = -1
 """Scope of a term that all robots share."""
 
@@ -75,7 +73,7 @@ class Fit:
     coordinates: FloatArray
     """(p,)."""
     covariance: FloatArray
-    """(p, p) by blocks."""
+    """(p, p) by blocks; infinite for a coordinate that the data do not tell."""
     residual: FloatArray
     """(rows, 16) errors in noise; 0 where nothing is judged."""
     columns: list[Column]
@@ -192,7 +190,7 @@ class Problem:
             slope, bend = self.normal(residual, columns)
             total = bend.sum(axis=0)
             damped = total + damping * np.diag(np.diag(total))
-            step = np.linalg.solve(ridged(damped), slope.sum(axis=0))
+            step = inverted(damped).step(slope.sum(axis=0))
             if float(step @ slope.sum(axis=0)) < CONVERGED:
                 break
             there = np.clip(here - step, *bounds)
@@ -212,16 +210,12 @@ class Problem:
     ) -> Fit:
         """Covariance and held-out deviances at an optimum."""
         slope, bend = self.normal(residual, columns)
-        total = bend.sum(axis=0)
-        inverse = np.linalg.inv(ridged(total)) if len(here) else np.zeros((0, 0))
         centred = slope - slope.mean(axis=0)
-        sand = inverse @ (centred.T @ centred) @ inverse
-        least = np.diag(inverse)
-        plain = np.sqrt(np.maximum(least / np.maximum(np.diag(sand), LEAST_SAND * least), 1.0))
+        inverse = inverted(bend.sum(axis=0))
         return Fit(
             terms=terms,
             coordinates=here,
-            covariance=STRETCH**2 * sand * np.outer(plain, plain),
+            covariance=STRETCH**2 * inverse.sandwich(centred.T @ centred),
             residual=residual,
             columns=columns,
             held_out=self.held_out(residual, columns, slope, bend),
@@ -275,22 +269,13 @@ class Problem:
     def left_out(self, slope: FloatArray, bend: FloatArray) -> FloatArray:
         """(folds, p) by how much the optimum moves when a fold is left out."""
         total, pull = bend.sum(axis=0), slope.sum(axis=0)
-        steps = []
-        for k in range(FOLDS):
-            out = self.fold == k
-            rest, left = total - bend[out].sum(axis=0), pull - slope[out].sum(axis=0)
-            steps.append(-np.linalg.solve(ridged(rest), left))
-        return np.array(steps)
+        out = [self.fold == k for k in range(FOLDS)]
+        rest = np.array([total - bend[one].sum(axis=0) for one in out])
+        left = np.array([pull - slope[one].sum(axis=0) for one in out])
+        return -inverted(rest).step(left)
 
 
 def spanned(columns: Sequence[Column], number: int) -> slice:
     """Rows, of so many, from the first to the last that any column has."""
     ends = [one.rows.indices(number)[:2] for one in columns]
     return slice(min((b for b, _ in ends), default=0), max((e for _, e in ends), default=0))
-
-
-def ridged(curvature: FloatArray) -> FloatArray:
-    """Curvature made invertible where a parameter has no effect at all."""
-    diagonal = np.diag(curvature)
-    floor = RIDGE * max(float(diagonal.max(initial=0.0)), 1.0)
-    return np.asarray(curvature + np.diag(RIDGE * diagonal + floor))

@@ -6,6 +6,7 @@ whole healthy swarms get for it. It is a file of its own beside the motion's.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -66,11 +67,11 @@ class SenseReference(Table):
     inherent: dict[str, float] = Field(default_factory=dict)
     """Coordinates of `INHERENT`."""
     terms: dict[str, Health] = Field(default_factory=dict)
-    noise: Level = Level()
-    """Logarithm of the infrared errors' scale over the tables' noise."""
-    targets: Level = Level()
+    noise: Level | None = None
+    """Logarithm of the infrared errors' scale over the tables' noise; None: not measured."""
+    targets: Level | None = None
     """Logarithm of what infrared reads of other robots over what it would of a wall there."""
-    clock: Level = Level()
+    clock: Level | None = None
     """s by which healthy robots' poses are late against their readings."""
     structure: dict[str, Structure] = Field(default_factory=dict)
     """What healthy robots get for every flexible term (`models.senses.structure`)."""
@@ -92,17 +93,28 @@ class SenseReference(Table):
         return with_inherent(believed, self.inherent)
 
     def spread(self, key: str, size: int, *, swarm: bool) -> tuple[FloatArray, FloatArray]:
-        """(p,) healthy mean and standard deviation of a term's coordinates."""
+        """(p,) healthy mean and standard deviation of a term's coordinates, as in motion."""
+        if not self.knows(key, swarm=swarm):
+            return np.zeros(size), np.full(size, np.inf)
         if key not in self.terms:
             return np.zeros(size), np.zeros(size)
         return self.terms[key].coordinates(swarm=swarm)
+
+    def knows(self, key: str, *, swarm: bool) -> bool:
+        """Whether a term was measured in healthy robots or swarms, or health is not asked for."""
+        if not self.robots:
+            return True
+        found = self.terms.get(key)
+        return found is not None and bool(found.swarm_mean if swarm else found.mean)
 
     def gates(self, key: str, *, swarm: bool) -> tuple[float, float]:
         """Gain and distance that a term needs.
 
         What the captured tables get wrong gains something in every long healthy log: it is the
-        distance that tells a fault from it.
+        distance that tells a fault from it. It is infinite where health is not known.
         """
+        if not self.knows(key, swarm=swarm):
+            return self.gain, math.inf
         least = self.distance + (SWARM_MORE if swarm else 0.0)
         if key not in self.terms:
             return self.gain, least
@@ -126,12 +138,10 @@ def gate_of(health: Structure, *, swarm: bool) -> float:
 
 
 def away(value: FloatArray, error: FloatArray, mean: FloatArray, sd: FloatArray) -> float:
-    """Standard deviations from health, over the coordinates that a healthy spread is known of."""
-    wide = np.sqrt(error**2 + sd**2)
+    """Standard deviations from health, over the coordinates that the readings tell."""
     known = error > 0.0
-    if not known.any():
-        return 0.0
-    return float(np.sqrt((((value - mean)[known] / wide[known]) ** 2).sum()))
+    wide = np.hypot(error[known], sd[known])
+    return float(np.sqrt((((value - mean)[known] / wide) ** 2).sum()))
 
 
 def with_inherent(belief: Belief, coordinates: Mapping[str, float]) -> Belief:
@@ -142,7 +152,7 @@ def with_inherent(belief: Belief, coordinates: Mapping[str, float]) -> Belief:
 
 
 def no_sense_reference(model: str) -> SenseReference:
-    """What is believed where nobody measured healthy robots: nothing is known but how counts are.
+    """What is believed where there is no reference: that the tables are right, and how counts are.
 
     Readings are whole counts and never below zero, so that an offset by a part of a count is no
     fault.
@@ -158,7 +168,15 @@ def no_sense_reference(model: str) -> SenseReference:
         gain=0.0,
         swarm_gain=0.0,
     )
-    return SenseReference(model=model, robots=0, swarms=0, terms={"ir_offset": rounded})
+    return SenseReference(
+        model=model,
+        robots=0,
+        swarms=0,
+        terms={"ir_offset": rounded},
+        noise=Level(),
+        targets=Level(),
+        clock=Level(),
+    )
 
 
 def write_sense_reference(reference: SenseReference, path: Path) -> None:

@@ -15,8 +15,9 @@ import numpy as np
 
 from embedded_sim import SENSORS
 from embedded_sim.model import FloatArray
+from models.information import inverted
 from models.senses.predicted import predict
-from models.senses.problem import DEGREES, STRETCH, Fit, Problem, ridged
+from models.senses.problem import DEGREES, STRETCH, Fit, Problem
 from models.senses.quantities import Key, of_readings, of_rows
 
 KINDS = {"infrared": slice(0, SENSORS), "light": slice(SENSORS, 2 * SENSORS)}
@@ -112,6 +113,7 @@ class _Channel:
             for b, other in enumerate(self.fitted[: a + 1]):
                 both = self._sums((weight * one * other).sum(axis=1))
                 self.own_bend[:, a, b] = self.own_bend[:, b, a] = both
+        self.own = [inverted(self.own_bend[self.robot == k].sum(axis=0)) for k in range(self.count)]
         sight, model = problem.sight, problem.model
         self.whole = of_rows(sight, model)
         self.single = of_readings(sight, model, self.signal, light=channel == "light")
@@ -139,7 +141,7 @@ class _Channel:
         for _ in range(ITERATIONS):
             left = start + size @ columns
             pull = columns * ((DEGREES + 1.0) / (DEGREES + left**2))
-            size -= np.linalg.solve(ridged(pull @ columns.T), pull @ left)
+            size -= inverted(pull @ columns.T).step(pull @ left)
         left = start + size @ columns
         gain = np.log1p(start**2 / DEGREES).sum() - np.log1p(left**2 / DEGREES).sum()
         return float((DEGREES + 1.0) * gain), size[: len(parts)]
@@ -184,9 +186,7 @@ class _Channel:
         size, error, gain = (np.full(self.count, np.nan) for _ in range(3))
         for k in np.flatnonzero(self.enough):
             mine = self.robot == k
-            inside = self.own_bend[mine].sum(axis=0)
-            inside = inside + np.diag(1e-6 * np.diag(inside) + TINY)
-            mix = np.linalg.solve(inside, cross[mine].sum(axis=0))
+            mix = self.own[k].step(cross[mine].sum(axis=0))
             left = slope[mine] - self.own_slope[mine] @ mix
             own = np.einsum("a,nab,b->n", mix, self.own_bend[mine], mix)
             curved = bend[mine] - 2.0 * cross[mine] @ mix + own

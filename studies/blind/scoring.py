@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from studies.blind.trials import Hidden, Trial
+from studies.shares import as_told
 
 CANNOT_TELL = "cannot_tell"
 """The verdict on a log that could not have shown what might be wrong."""
@@ -180,7 +181,8 @@ def _same_words(one: Hidden, cause: Named) -> bool:
 
 def _inside(one: Hidden, cause: Named) -> Sequence[bool]:
     """Whether the intervals of the numbers hold what was hidden."""
-    numbers = {key: value for key, value in one.values.items() if isinstance(value, float)}
+    told = as_told(one.name, one.values)
+    numbers = {key: value for key, value in told.items() if isinstance(value, float)}
     return [
         float(cause.parameters[key]["low"]) <= value <= float(cause.parameters[key]["high"])
         for key, value in numbers.items()

@@ -9,7 +9,9 @@ from models.causes.cause import Parameter
 from models.senses.cause import PS, Belief, SenseCause
 
 ELSEWHERE = 2e-3
-"""rad that robots seem turned by whose lamp stands a few centimetres higher, or that circle."""
+"""rad that robots seem turned by whose lamp stands a few centimetres higher, or that circle.
+Measured by injecting such lamps into the rigid-body world, and in sound robots that circle
+there."""
 
 
 def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:

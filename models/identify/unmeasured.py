@@ -1,0 +1,70 @@
+"""What no healthy reference has measured, in words: it is neither named nor called unexplained."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from models.causes import Cause, Motion
+from models.identify.candidates import candidates, own_starts
+from models.identify.structure import CHANNELS, QUANTITIES, Follow
+from models.identify.tracks import Tracks
+from models.reference import Reference
+
+MEASURE = "`realitygap reference LOG... --out FILE` of sound robots' logs"
+"""The command that measures it."""
+
+
+def unmeasured(
+    tracks: Tracks, base: Sequence[Motion], reference: Reference, structure: Sequence[Follow]
+) -> tuple[str, ...]:
+    """Causes and flexible terms that this log could show and the reference says nothing of.
+
+    Args:
+        tracks: The log's.
+        base: (robots,) healthy motion of each robot.
+        reference: What healthy robots do.
+        structure: The log's flexible terms.
+    """
+    shown = [term for term in candidates() if own_starts(term, tracks.commands)]
+    said = []
+    shares = {name: given for term in shown for name, given in _of_nothing(term.cause, base)}
+    for given in sorted(set(shares.values())):
+        names = ", ".join(sorted(name for name, of in shares.items() if of == given))
+        said.append(
+            f"{names}: not told, for neither the model nor a healthy reference says the "
+            f"{given} that they are shares of; {MEASURE} does"
+        )
+    causes = [term.key for term in shown if not reference.knows(term.key)]
+    follows = [one for one in structure if reference.health(one.key) is None]
+    words = {f"{CHANNELS[one.channel]} depending on {QUANTITIES[one.quantity]}" for one in follows}
+    said += [not_named(causes)] if causes else []
+    said += [not_judged(words)] if words else []
+    return tuple(said)
+
+
+def _of_nothing(cause: Cause, base: Sequence[Motion]) -> list[tuple[str, str]]:
+    """A cause and its twins, each with what they are told against, where that is not known."""
+    if cause.told_against is None or all(
+        np.isfinite(cause.told_against(motion)).all() for motion in base
+    ):
+        return []
+    given = " and ".join(p.name for p in cause.given)
+    return [(name, given) for name in (cause.name, *cause.twins)]
+
+
+def not_named(keys: Iterable[str]) -> str:
+    """Of causes."""
+    return (
+        f"{', '.join(sorted(keys))}: not named, for the healthy reference does not say what sound "
+        f"robots get for it; {MEASURE} does"
+    )
+
+
+def not_judged(words: Iterable[str]) -> str:
+    """Of what may follow what."""
+    return (
+        f"whether {'; '.join(sorted(words))}: not judged, for the healthy reference does not say "
+        f"how much sound robots do; {MEASURE} does"
+    )

@@ -1,0 +1,58 @@
+"""What is hidden, in the quantities that a diagnosis tells.
+
+Effects and causes have the same parameters, and most of them in the same unit. A motor's torque and
+the wheels' friction are hidden in N m and as a coefficient; a log tells neither, but what share of
+a healthy robot's acceleration is left. How one follows from the other is physics of the nominal
+body, and no diagnosis reads this.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from models.catalogue import every_cause
+from reality import constants as k
+from reality.effects.effect import Value
+
+HEALTHY_ACCELERATION = k.MOTOR_TORQUE / (k.WHEEL_INERTIA + 0.5 * k.MASS * k.WHEEL_RADIUS**2)
+"""rad/s^2 of the wheels of a robot that starts straight on: the torque over a wheel's own inertia
+and half the robot's mass at the wheel's radius."""
+GRIP = 1.73
+"""Share of the healthy acceleration per unit of friction. Derived, it is g times the wheels' share
+of the weight (0.73: the centre of mass lies 8 mm ahead of the axle, the skid 30 mm) over their
+radius and the acceleration, 1.9."""
+
+
+def as_told(name: str, values: Mapping[str, Value]) -> dict[str, Value]:
+    """The values of an effect as a diagnosis that is exactly right would tell them.
+
+    Args:
+        name: Of the effect.
+        values: As `--effect` takes them.
+    """
+    told = {**values}
+    for key, share in SHARES.get(name, {}).items():
+        told[key] = share(float(values[key]))
+    return told
+
+
+def given(name: str) -> dict[str, float]:
+    """What the values of a cause are told against, in the nominal world."""
+    cause = every_cause()[name]
+    return {p.name: GIVEN[p.name] for p in cause.given}
+
+
+def _torque(torque: float) -> float:
+    return torque / k.MOTOR_TORQUE
+
+
+def _friction(friction: float) -> float:
+    """Wheels that grip better than healthy motors pull do not slip."""
+    return min(1.0, GRIP * friction)
+
+
+SHARES: Mapping[str, Mapping[str, Callable[[float], float]]] = {
+    "weak_motor": {"torque": _torque},
+    "low_friction": {"friction": _friction},
+}
+GIVEN = {"healthy_acceleration": HEALTHY_ACCELERATION}

@@ -1,0 +1,167 @@
+"""Whatever a fit returns becomes values that the catalogue has."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from embedded_sim.senses import Senses
+from models.catalogue import every_cause
+from models.causes import Cause, Motion
+from models.causes.command_latency import CAUSE as LATENCY
+from models.diagnosis import Diagnosis, as_json, extension
+from models.extension import NamedCause, ParameterValue
+from models.identify.choice import Evidence
+from models.identify.hypothesis import Term
+from models.identify.swarm import Named
+from models.identify.value import values
+from models.senses.cause import Belief, SenseCause
+from models.senses.causes import sense_causes
+from models.senses.clock import Shift, told_apart
+from models.senses.naming import fitted_named, noise_named
+from models.senses.problem import SWARM
+from models.senses.problem import Term as SenseTerm
+from models.senses.reference import Level, no_sense_reference
+from models.senses.select import Found
+
+TERMS = [(name, v) for name, cause in every_cause().items() for v in cause.variants]
+ANY = st.one_of(
+    st.floats(allow_nan=False), st.floats(-10.0, 10.0), st.sampled_from(["low", "high", "null"])
+)
+ERROR = st.one_of(st.floats(0.0, 1e300), st.floats(0.0, 1.0), st.just(math.inf))
+
+
+def coordinates(cause: Cause, drawn: st.DataObject) -> np.ndarray:
+    """(p,) anything, and what lies exactly on a bound or the null."""
+    found = []
+    for p in cause.parameters:
+        any_of = drawn.draw(ANY)
+        ends = {"low": p.bounds[0], "high": p.bounds[1], "null": 0.0}
+        found.append(ends[any_of] if isinstance(any_of, str) else any_of)
+    return np.array(found)
+
+
+def as_file(cause: Cause, variant: str, told: dict[str, ParameterValue]) -> NamedCause:
+    given = {p.name: ParameterValue(value=p.high) for p in cause.given}
+    return NamedCause(name=cause.name, word=variant, parameters={**told, **given})
+
+
+@given(st.sampled_from(TERMS), st.data())
+def test_any_coordinate_is_a_value_that_can_be_applied_and_read_back(
+    term: tuple[str, str], data: st.DataObject
+) -> None:
+    name, variant = term
+    cause = every_cause()[name]
+    here = coordinates(cause, data)
+    told = {
+        p.name: ParameterValue(value=v)
+        for p, v in zip(cause.parameters, cause.values(here).tolist(), strict=True)
+    }
+    named = as_file(cause, variant, told)
+    motion = cause.applied(Motion(), here, variant)
+    assert math.isfinite(motion.drive.axle)
+    if isinstance(cause, SenseCause):
+        believed = cause.believed(Belief(), here, variant)
+        assert isinstance(believed.senses, Senses)
+        assert named.sensed(Belief()) == believed
+    else:
+        assert named.applied(Motion(encoder_drive=None)) is not None
+
+
+@given(st.sampled_from([n for n, c in every_cause().items() if c.parameters]), st.data())
+def test_any_fit_is_a_value_with_an_interval_around_it(name: str, data: st.DataObject) -> None:
+    cause = every_cause()[name]
+    size = len(cause.parameters)
+    here, error = coordinates(cause, data), [data.draw(ERROR) for _ in range(size)]
+    spread = np.array([data.draw(ERROR) for _ in range(size)])
+    if isinstance(cause, SenseCause):
+        found = Found(
+            term=SenseTerm(cause, cause.variants[0]),
+            coordinates=here,
+            error=np.array(error),
+            gain=20.0,
+            share=0.1,
+            distance=9.0,
+        )
+        told = fitted_named([found], (3,), no_sense_reference(""))[0].values
+    else:
+        fastest = data.draw(st.floats(0.0, 1e4))
+        covariance = np.diag(np.square(np.minimum(error, 1e150)))
+        commands = np.full((3, 2), fastest)
+        told = values(
+            Term(cause, cause.variants[0]), here, covariance, commands, np.zeros(size), spread
+        )
+    assert all(one.low <= one.value <= one.high for one in told)
+    given = {v.name: ParameterValue(value=v.value, low=v.low, high=v.high) for v in told}
+    as_file(cause, cause.variants[0], given)
+
+
+@pytest.mark.parametrize("robots", [(0,), (0, 4), (0, 1, 2)], ids=["one", "two", "three"])
+@pytest.mark.parametrize("name", [n for n, c in sense_causes().items() if c.place])
+def test_what_belongs_to_the_place_is_everybodys_however_many_they_are(
+    name: str, robots: tuple[int, ...]
+) -> None:
+    cause = sense_causes()[name]
+    size = len(cause.parameters)
+    found = Found(
+        term=SenseTerm(cause, cause.variants[0], SWARM),
+        coordinates=np.full(size, 0.1),
+        error=np.full(size, 0.01),
+        gain=20.0,
+        share=0.1,
+        distance=9.0,
+    )
+    named = fitted_named([found], robots, no_sense_reference(""))
+    written = extension(Diagnosis(named=named, robots=robots), log_hash="", command="")
+    assert written.causes[0].robots == "all"
+    assert as_json(Diagnosis(named=named, robots=robots))["causes"][0]["robots"] == "all"
+
+
+KNOWN = st.tuples(st.floats(-4.0, 4.0), st.floats(1e-3, 1.0), st.booleans())
+UNKNOWN = st.tuples(st.floats(-4.0, 4.0), st.just(math.inf), st.just(True))
+
+
+@given(st.lists(st.one_of(KNOWN, UNKNOWN), min_size=1, max_size=6))
+def test_noise_that_few_robots_tell_is_told_in_numbers(
+    noisy: list[tuple[float, float, bool]],
+) -> None:
+    named = noise_named(noisy, tuple(range(len(noisy))))
+    content = as_json(Diagnosis(named=named))
+    json.dumps(content, allow_nan=False)
+    extension(Diagnosis(named=named), log_hash="", command="")
+    whole = [one for one in named if one.whole_swarm]
+    assert bool(whole) == any(s and u != 0.0 and math.isfinite(e) for u, e, s in noisy)
+
+
+def test_a_clock_far_too_early_is_not_called_a_latency_that_cannot_be() -> None:
+    from models.causes.clock_offset import CAUSE as CLOCK
+    from models.identify.value import Value
+
+    term = Term(CLOCK, "")
+    evidence = Evidence(
+        term=term,
+        coordinates=np.array([-0.5]),
+        covariance=np.eye(1) * 1e-6,
+        gain=90.0,
+        share=0.5,
+        p_value=0.0,
+        distance=20.0,
+    )
+    named = Named(
+        term=term,
+        robots=(0,),
+        whole_swarm=False,
+        values=(Value("seconds", -0.5, -0.51, -0.49, "s"),),
+        evidence=evidence,
+        twins=(Term(LATENCY, ""),),
+    )
+    in_time = Shift(np.zeros(1), np.full(1, 1e-3))
+    said = told_apart(named, (0,), in_time, Level())
+    assert isinstance(said, Named)
+    extension(Diagnosis(named=(said,)), log_hash="", command="")
+    assert told_apart(named, (0,), in_time, None) is named
