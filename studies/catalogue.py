@@ -37,6 +37,19 @@ through measured numbers.
 Lamps, walls and the floor belong to the place and take no `robot`. Brackets hold the bounds of a
 value, `null` is the value that changes nothing, and a key with a default may be left out. The last
 column names a manoeuvre of `realitygap run --controller probe:NAME` ([menu](next-experiment.md)).
+
+A cause is told in the unit of its effect, but for two. No log tells newton metres or a coefficient
+of friction, and no constant of the physical world is known to the diagnosis. What shows is how fast
+wheels change speed, and a healthy reference says how fast sound wheels do:
+
+- `weak_motor` tells `torque` as a share of a healthy motor's: acceleration grows in step with it.
+- `low_friction` tells `friction` as the share of the healthy acceleration at which wheels begin to
+  slip. A healthy robot's motors do not make its wheels slip: how much grip is to spare is unknown.
+  So the share is at most 1, and is no ratio of coefficients of friction.
+
+`healthy_acceleration` (rad/s²), which both are shares of, stands beside them. Without a reference
+nothing is a share of anything: neither is named, and the diagnosis says so. Where the truth is
+known, `studies/shares.py` turns what was hidden into these shares.
 """
 
 

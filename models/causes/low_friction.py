@@ -66,7 +66,7 @@ CAUSE = Cause(
             step=5e-2,
             link="factor",
             sign=-1,
-            doubt=0.045,
+            doubt=0.06,
         ),
     ),
     change=_change,

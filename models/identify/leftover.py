@@ -40,10 +40,6 @@ def leftover(
     whole = _swarm(tracks, usable, reference, named)
     if whole is not None:
         return (whole,)
-    far = np.array([_distance(one, reference) for one in usable])
-    gain = np.array([one.gain for one in usable])
-    far = np.where((gain > MENDED * named) & (gain > reference.gates.gain), far, 0.0)
-    gates = np.array([_gate(one, reference) for one in usable])
     result = []
     for k in np.unique(tracks.robot).tolist():  # the others were never free
         robot = tracks.robots[k]
@@ -51,16 +47,30 @@ def leftover(
         if aside is not None:
             result.append(_set_aside(aside, robot))
             continue
-        best = int(np.argmax(far[:, k] / gates))
+        best, far = _strangest(usable, k, float(named[k]), reference)
         mimics = identified.mimics.get(k, ())
         worst = max(mimics, key=lambda mimic: mimic.gain, default=None)
         if worst is not None and isinstance(worst.misfit, Replaced):
             result.append(_replaced(worst.evidence, worst.misfit, robot))
-        elif far[best, k] > gates[best]:
-            result.append(_said(usable[best], (robot,), far[best, k], float(gain[best, k]), tracks))
+        elif best is not None:
+            result.append(_said(best, (robot,), far, float(best.gain[k]), tracks))
         elif worst is not None and isinstance(worst.misfit, Misfit):
             result.append(_mimicked(worst.evidence, worst.misfit, robot))
     return tuple(result)
+
+
+def _strangest(
+    found: list[Follow], k: int, named: float, reference: Reference
+) -> tuple[Follow | None, float]:
+    """The term of one robot that is farthest beyond its gate, and its distance from health."""
+    best, most, distance = None, 1.0, 0.0
+    for one in found:
+        far = float(_distance(one, reference)[k])
+        gain = float(one.gain[k])
+        enough = gain > MENDED * named and gain > reference.gates.gain
+        if enough and far / _gate(one, reference) > most:
+            best, most, distance = one, far / _gate(one, reference), far
+    return best, distance
 
 
 def _set_aside(found: Wild, robot: int) -> Unexplained:

@@ -14,14 +14,17 @@ from embedded_sim.probes import MENU
 from models.catalogue import every_cause
 from models.causes import Motion, causes
 from models.diagnosis import alternatives
+from models.identify.candidates import candidates
 from models.identify.diagnose import diagnose
 from models.identify.fit import Problem
 from models.identify.hypothesis import Fit, Term
+from models.identify.inherent import INHERENT
 from models.log import make_log
 from models.modelfile import read_model_file
 from models.proposal import motion
 from models.proposal.menu import ENOUGH, Proposal, distance, flights, ranked
 from models.proposal.propose import with_proposal
+from models.reference import Reference, Spread, no_reference
 from models.repertoire import manoeuvres
 from models.senses import nest
 from models.senses.joined import with_senses
@@ -106,6 +109,22 @@ def test_every_cause_names_a_manoeuvre_of_the_menu() -> None:
     assert {cause.experiment for cause in every_cause().values()} <= set(MENU)
 
 
+def sound(acceleration: float) -> Reference:
+    """Health that is the point model's, but for the wheels' limited acceleration (rad/s^2)."""
+    terms = {}
+    for term in candidates():
+        none = (0.0,) * len(term.cause.parameters)
+        terms[term.key] = Spread(
+            mean=none, sd=none, swarm_mean=none, swarm_sd=none, farthest=0.0, swarm_farthest=0.0
+        )
+    inherent = [
+        p.coordinate(acceleration) if p.unit == "rad/s^2" else 0.0 for p in INHERENT.parameters
+    ]
+    return no_reference("e-puck", Drive()).model_copy(
+        update={"robots": 1, "swarms": 1, "terms": terms, "inherent": tuple(inherent)}
+    )
+
+
 def test_weak_motors_without_encoders_ask_for_steps_with_encoders() -> None:
     frame = driven_log(
         5,
@@ -116,7 +135,7 @@ def test_weak_motors_without_encoders_ask_for_steps_with_encoders() -> None:
         heading_noise=5e-3,
     )
     log = make_log(frame, drive=Drive())
-    motion_only = diagnose(log, MODEL.model_copy(update={"arena": None}), None)
+    motion_only = diagnose(log, MODEL.model_copy(update={"arena": None}), sound(160.0))
     examined = with_proposal(with_senses(motion_only, log, None, None), None)
     cause = examined.diagnosis.named[0]
     assert {cause.term.cause.name, *alternatives(cause)} == {"weak_motor", "low_friction"}

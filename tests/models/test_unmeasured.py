@@ -1,0 +1,98 @@
+"""What no healthy reference has measured is neither named nor called unexplained, and said."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from embedded_sim.senses import Senses
+from models.causes.cause import Parameter
+from models.log import make_log
+from models.schema import PS
+from models.senses.cause import Belief, SenseCause
+from models.senses.causes import sense_causes
+from models.senses.diagnose import SenseExamination, diagnose_senses
+from models.senses.naming import noise_named
+from models.senses.reference import SenseReference, shipped_sense_reference
+from tests.models.test_identify import HEALTHY, diagnosed, names, reference, table
+from tests.models.test_senses import MODEL
+from tests.models.test_senses import table as sensed
+
+
+def _dusty(belief: Belief, values: np.ndarray, variant: str) -> Belief:
+    gain = tuple(float(values[0]) * one for one in belief.senses.ps_gain)
+    return replace(belief, senses=replace(belief.senses, ps_gain=gain))
+
+
+DUSTY = SenseCause(
+    name="ir_dusty",
+    meaning="dust lies on the infrared sensors",
+    parameters=(
+        Parameter(name="scale", unit="1", null=1.0, low=0.1, high=2.0, step=0.01, link="factor"),
+    ),
+    sense=_dusty,
+    kind="ps",
+    columns=PS,
+    experiment="tour",
+)
+AS_SEEN_IN_HEALTH = Belief(senses=Senses(ps_gain=(1.011,) * 8))
+"""Captured tables are a per cent short, in every healthy robot: no cause's null."""
+
+
+def examined(known: SenseReference) -> SenseExamination:
+    log = make_log(sensed({}, everybody=AS_SEEN_IN_HEALTH), drive=MODEL.drive)
+    return diagnose_senses(log, MODEL, known)
+
+
+def shipped() -> SenseReference:
+    found = shipped_sense_reference("e-puck")
+    assert found is not None
+    return found
+
+
+def test_a_cause_in_the_senses_that_is_new_to_the_reference_accuses_nobody(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sense_causes(), DUSTY.name, DUSTY)
+    found = examined(shipped())
+    assert found.named == ()
+    said = [text for text in found.not_checked if text.startswith(DUSTY.name)]
+    assert len(said) == 1
+    assert "realitygap reference" in said[0]
+
+
+def test_without_the_healthy_noise_no_robot_is_called_noisy_and_it_is_said() -> None:
+    found = examined(shipped().model_copy(update={"noise": None}))
+    assert found.named == ()
+    assert any(text.startswith("ir_noise: not named") for text in found.not_checked)
+    assert noise_named([(0.0, np.inf, False)], (0,)) == ()
+
+
+def test_a_cause_in_motion_that_the_reference_does_not_know_is_not_named() -> None:
+    wide = table(13, {1: replace(HEALTHY, axle=0.056)})
+    assert names(diagnosed(wide)) == [("wheel_separation", (1,))]
+    known = {k: v for k, v in reference().terms.items() if k != "wheel_separation"}
+    found = diagnosed(wide, reference().model_copy(update={"terms": known}))
+    assert not [one for one in found.named if one.term.cause.name == "wheel_separation"]
+    said = [text for text in found.not_checked if text.startswith("wheel_separation")]
+    assert len(said) == 1
+    assert "realitygap reference" in said[0]
+
+
+def test_what_a_motion_may_follow_is_judged_only_where_health_is_known() -> None:
+    frame = table(12, {})
+    frame.loc[frame["robot"] == 1, "x"] *= 1.06
+    assert diagnosed(frame).unexplained[0].quantity == "heading_twice"
+    known = {k: v for k, v in reference().structure.items() if "heading_twice" not in k}
+    found = diagnosed(frame, reference().model_copy(update={"structure": known}))
+    assert "heading_twice" not in {one.quantity for one in found.unexplained}
+    assert any("which axis it faces along" in text for text in found.not_checked)
+    nothing = diagnosed(frame, reference().model_copy(update={"structure": {}}))
+    assert not [one for one in nothing.unexplained if one.channel == "bend"]
+
+
+def test_a_log_says_nothing_of_a_reference_that_knows_all() -> None:
+    found = diagnosed(table(13, {}))
+    assert not [text for text in found.not_checked if "healthy reference" in text]
