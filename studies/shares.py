@@ -18,7 +18,7 @@ HEALTHY_ACCELERATION = k.MOTOR_TORQUE / (k.WHEEL_INERTIA + 0.5 * k.MASS * k.WHEE
 """rad/s^2 of the wheels of a robot that starts straight on: the torque over a wheel's own inertia
 and half the robot's mass at the wheel's radius."""
 GRIP = 1.74
-"""Share of the healthy acceleration per unit of friction: the mean of 14 robots of the nominal world
+"""Share of the healthy acceleration per unit of friction: mean of 14 robots of the nominal world
 with 0.05 to 0.4, two minutes of search or co-evolution, told by the shipped reference (s.d. 0.07).
 Derived, it is g times the wheels' share of the weight (0.73: the centre of mass lies 8 mm ahead of
 the axle, the skid 30 mm) over their radius and the acceleration, 1.9. Wheels that slip also slide

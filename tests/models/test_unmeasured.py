@@ -7,8 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from embedded_sim import Drive
 from embedded_sim.senses import Senses
 from models.causes.cause import Parameter
+from models.identify.diagnose import diagnose
 from models.log import make_log
 from models.schema import PS
 from models.senses.cause import Belief, SenseCause
@@ -17,6 +19,7 @@ from models.senses.diagnose import SenseExamination, diagnose_senses
 from models.senses.naming import noise_named
 from models.senses.reference import SenseReference, shipped_sense_reference
 from tests.models.test_identify import HEALTHY, diagnosed, names, reference, table
+from tests.models.test_identify import MODEL as PLAIN
 from tests.models.test_senses import MODEL
 from tests.models.test_senses import table as sensed
 
@@ -91,6 +94,13 @@ def test_what_a_motion_may_follow_is_judged_only_where_health_is_known() -> None
     assert any("which axis it faces along" in text for text in found.not_checked)
     nothing = diagnosed(frame, reference().model_copy(update={"structure": {}}))
     assert not [one for one in nothing.unexplained if one.channel == "bend"]
+
+
+def test_without_health_torque_and_friction_are_shares_of_nothing() -> None:
+    log = make_log(table(13, {1: replace(HEALTHY, acceleration=(40.0, 40.0))}), drive=Drive())
+    found = diagnose(log, PLAIN, None).diagnosis
+    assert not {one.term.cause.name for one in found.named} & {"weak_motor", "low_friction"}
+    assert any(text.startswith("low_friction, weak_motor: not told") for text in found.not_checked)
 
 
 def test_a_log_says_nothing_of_a_reference_that_knows_all() -> None:
