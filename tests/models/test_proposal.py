@@ -99,6 +99,14 @@ def test_a_rival_that_may_follow_is_never_further_away(
     assert distance(far, np.zeros((4, 0)), np.zeros((0, 0))) == pytest.approx(np.linalg.norm(far))
 
 
+def test_a_rival_that_the_log_leaves_wholly_open_may_follow_anywhere() -> None:
+    far, columns = np.array([1.0, 2.0, -1.0]), np.array([[1.0, 0.5], [0.0, 1.0], [1.0, 0.0]])
+    wide = distance(far, columns, np.diag([1e5, 0.04]))
+    assert distance(far, columns, np.diag([np.inf, 0.04])) == pytest.approx(wide, rel=1e-4)
+    nothing = np.column_stack([columns[:, 0], np.zeros(3)])
+    assert np.isfinite(distance(far, nothing, np.diag([0.04, np.inf])))
+
+
 def test_the_farthest_nearest_rival_decides() -> None:
     options = ranked({"steps": (9.0, 2.0), "spins": (5.0, 4.0)})
     assert [(o.name, o.separation) for o in options] == [("spins", 4.0), ("steps", 2.0)]
