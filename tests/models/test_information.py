@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from embedded_sim.model import FloatArray
@@ -13,6 +13,7 @@ from models.identify.hypothesis import Term
 from models.identify.measure import distance
 from models.information import inverted
 
+QUIET = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
 SIZES = st.integers(0, 6)
 SEEDS = st.integers(0, 2**31)
 
@@ -23,6 +24,7 @@ def drawn(seed: int, size: int, rows: int = 40) -> FloatArray:
     return np.asarray(rng.normal(0.0, 1.0, (rows, size)) * 10.0 ** rng.uniform(-1.0, 1.0, size))
 
 
+@QUIET
 @given(SEEDS, SIZES)
 def test_where_everything_is_told_it_is_the_inverse(seed: int, size: int) -> None:
     columns = drawn(seed, size)
@@ -32,6 +34,7 @@ def test_where_everything_is_told_it_is_the_inverse(seed: int, size: int) -> Non
     assert found.covariance == pytest.approx(np.linalg.inv(information), rel=1e-6)
 
 
+@QUIET
 @given(SEEDS, st.integers(1, 5), st.data())
 def test_a_column_without_effect_has_no_step_an_infinite_error_and_leaves_the_others(
     seed: int, size: int, data: st.DataObject
@@ -51,6 +54,7 @@ def test_a_column_without_effect_has_no_step_an_infinite_error_and_leaves_the_ot
     assert covariance[np.ix_(others, others)] == pytest.approx(alone.covariance, rel=1e-5)
 
 
+@QUIET
 @given(SEEDS, st.integers(0, 4), st.floats(1e-2, 1e2))
 def test_of_two_columns_that_are_alike_neither_is_told_but_their_sum_is_fitted(
     seed: int, size: int, ratio: float
@@ -66,6 +70,7 @@ def test_of_two_columns_that_are_alike_neither_is_told_but_their_sum_is_fitted(
     assert np.isinf(np.diag(covariance)).tolist() == [False] * size + [True, True]
 
 
+@QUIET
 @given(SEEDS, st.integers(1, 4))
 def test_blocks_never_make_errors_smaller_than_white_ones(seed: int, size: int) -> None:
     columns = drawn(seed, size)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from embedded_sim.model import FloatArray
@@ -13,6 +13,7 @@ from models.identify.structure import _Steps
 from models.identify.tracks import Tracks
 from models.noise import PoseNoise
 
+QUIET = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
 STEP = 1e-6
 """Of a change; windows are a metre long at most, so that its square is rounding."""
 
@@ -68,6 +69,7 @@ LENGTHS = st.lists(st.integers(3, 30), min_size=1, max_size=5)
 NOISE = st.tuples(st.floats(1e-4, 2e-2), st.floats(1e-3, 0.3))
 
 
+@QUIET
 @given(st.integers(0, 2**31), LENGTHS, NOISE, st.floats(0.0, 3.0))
 def test_a_derivative_is_the_finite_difference_of_the_errors(
     seed: int, lengths: list[int], noise: tuple[float, float], error: float
@@ -85,6 +87,7 @@ def test_a_derivative_is_the_finite_difference_of_the_errors(
         assert np.abs(column - told).max() < 1e-5 * np.abs(told).max() + 1e-6
 
 
+@QUIET
 @given(st.integers(0, 2**31), LENGTHS, NOISE, st.floats(-3.0, 3.0))
 def test_turning_and_shifting_a_whole_prediction_changes_no_error(
     seed: int, lengths: list[int], noise: tuple[float, float], swing: float

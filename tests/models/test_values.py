@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from embedded_sim.senses import Senses
@@ -29,6 +29,7 @@ from models.senses.problem import Term as SenseTerm
 from models.senses.reference import Level, no_sense_reference
 from models.senses.select import Found
 
+QUIET = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
 TERMS = [(name, v) for name, cause in every_cause().items() for v in cause.variants]
 ANY = st.one_of(
     st.floats(allow_nan=False), st.floats(-10.0, 10.0), st.sampled_from(["low", "high", "null"])
@@ -51,6 +52,7 @@ def as_file(cause: Cause, variant: str, told: dict[str, ParameterValue]) -> Name
     return NamedCause(name=cause.name, word=variant, parameters={**told, **given})
 
 
+@QUIET
 @given(st.sampled_from(TERMS), st.data())
 def test_any_coordinate_is_a_value_that_can_be_applied_and_read_back(
     term: tuple[str, str], data: st.DataObject
@@ -73,6 +75,7 @@ def test_any_coordinate_is_a_value_that_can_be_applied_and_read_back(
         assert named.applied(Motion(encoder_drive=None)) is not None
 
 
+@QUIET
 @given(st.sampled_from([n for n, c in every_cause().items() if c.parameters]), st.data())
 def test_any_fit_is_a_value_with_an_interval_around_it(name: str, data: st.DataObject) -> None:
     cause = every_cause()[name]
@@ -126,6 +129,7 @@ KNOWN = st.tuples(st.floats(-4.0, 4.0), st.floats(1e-3, 1.0), st.booleans())
 UNKNOWN = st.tuples(st.floats(-4.0, 4.0), st.just(math.inf), st.just(True))
 
 
+@QUIET
 @given(st.lists(st.one_of(KNOWN, UNKNOWN), min_size=1, max_size=6))
 def test_noise_that_few_robots_tell_is_told_in_numbers(
     noisy: list[tuple[float, float, bool]],
