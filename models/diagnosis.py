@@ -14,7 +14,9 @@ from typing import Any, Literal
 
 from models.extension import Extension, NamedCause, ParameterValue
 from models.identify.swarm import Named
+from models.opened import opened
 from models.proposal.menu import Proposal
+from models.table_files import MOST_BYTES
 
 SCHEMA = 1
 Verdict = Literal["named", "nothing_wrong", "unexplained", "ambiguous"]
@@ -179,8 +181,14 @@ def extension(found: Diagnosis, *, log_hash: str, command: str) -> Extension:
 
 
 def file_hash(paths: list[Path]) -> str:
-    """SHA-256 over the content of log files, in order."""
+    """SHA-256 over the content of log files, in order.
+
+    Raises:
+        InputError: as `models.opened.opened`.
+    """
     digest = hashlib.sha256()
     for path in paths:
-        digest.update(path.read_bytes())
+        with opened(path, "a measured log", most=MOST_BYTES) as file:
+            while part := file.read(2**20):
+                digest.update(part)
     return digest.hexdigest()

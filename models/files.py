@@ -9,16 +9,20 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from embedded_sim.errors import InputError, nearest
-
-LONGEST = 80
-"""Letters of a refused value that are shown."""
+from embedded_sim.errors import InputError, nearest, quoted
+from models.opened import json_values
 
 
 class Table(BaseModel):
     """A table of a file: immutable, and without unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Finite(Table):
+    """A table whose numbers are finite."""
+
+    model_config = ConfigDict(allow_inf_nan=False)
 
 
 Content = TypeVar("Content", bound=Table)
@@ -32,22 +36,19 @@ class Refused(ValueError):
         super().__init__(f"{field}: got {got}, expected {expected}")
 
 
-def read_json(kind: type[Content], path: Path, what: str) -> Content:
+def read_json(kind: type[Content], path: Path, what: str, *, field: str | None = None) -> Content:
     """Read a JSON file.
 
     Args:
         kind: Schema of the whole file.
         path: The file.
         what: Name of the kind, in a refusal.
+        field: What is read, in a refusal to open it; its path if absent.
 
     Raises:
         InputError: it cannot be read, or as `checked`.
     """
-    try:
-        values = json.loads(path.read_text(encoding="utf-8"))
-    except (json.JSONDecodeError, UnicodeDecodeError, OSError) as error:
-        raise InputError(str(path), str(error).splitlines()[0], "readable JSON") from None
-    return checked(kind, values, path, what)
+    return checked(kind, json_values(path, what, field=field), path, what)
 
 
 def write_json(content: BaseModel, path: Path) -> None:
@@ -79,7 +80,7 @@ def _first_problem(
     if isinstance(refused, Refused):
         keys += refused.field.split(".") if refused.field else []
         return InputError(f"{path.name}: {'.'.join(keys)}", refused.got, refused.expected)
-    got = repr(first["input"])[:LONGEST]
+    got = quoted(first["input"])
     if not keys:
         return InputError(path.name, got, what)
     where = f"{path.name}: {'.'.join(keys)}"

@@ -5,6 +5,7 @@ What is not a measurement stays unread: of a run's directory only `samples.parqu
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,9 +28,11 @@ from models.schema import (
     check_columns,
     coerce,
 )
+from models.table_files import read_csv, read_parquet
 from models.tracker import repair
 
 SAMPLES = "samples.parquet"
+EXPECTED = "a readable table (.parquet, .csv or .csv.gz), or a run's directory"
 GAP_STEPS = 3.5
 """A stretch ends where rows are missing for longer than this many median steps. Our choice: two
 lost rows are bridged by the last command, more are not."""
@@ -92,24 +95,18 @@ def read_table(path: Path) -> pd.DataFrame:
     Raises:
         InputError: there is no such file, or it is not a table.
     """
-    if path.is_dir():
+    if os.path.isdir(path):  # unlike Path.is_dir, false where one may not look
         path = path / SAMPLES
-        if not path.is_file():
+        if not os.path.exists(path):
             raise InputError(
                 str(path.parent), f"a directory without {SAMPLES}", "a run with samples"
             )
-    if not path.is_file():
-        raise InputError("log", path, "an existing .parquet or .csv file, or a run's directory")
     kind = "".join(path.suffixes[-2:]) if path.suffix == ".gz" else path.suffix
-    try:
-        if kind == ".parquet":
-            return pd.read_parquet(path)
-        if kind in (".csv", ".csv.gz"):
-            return pd.read_csv(path, skipinitialspace=True)
-    except (ValueError, OSError, EOFError, pa.ArrowException) as error:
-        said = (str(error) or type(error).__name__).splitlines()[0][:200]
-        raise InputError(str(path), said, f"a readable {kind} table") from None
-    raise InputError("log", path, "a file ending in .parquet, .csv or .csv.gz")
+    if kind == ".parquet":
+        return read_parquet(path, EXPECTED)
+    if kind in (".csv", ".csv.gz"):
+        return read_csv(path, EXPECTED, packed=kind == ".csv.gz")
+    raise InputError("log", path, EXPECTED)
 
 
 def make_log(frame: pd.DataFrame, *, drive: Drive, fastest: float | None = None) -> MeasuredLog:

@@ -8,7 +8,7 @@ known by name (`SHIPPED`).
 from __future__ import annotations
 
 import math
-import tomllib
+import os
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -19,6 +19,7 @@ from embedded_sim.errors import nearest
 from models.causes import Motion
 from models.extension import Extension
 from models.files import Refused, Table, checked
+from models.opened import toml_values
 from models.tables import load_tables
 
 ROBOTS = Path(__file__).parent / "robots"
@@ -183,10 +184,10 @@ def find_model_file(source: Path | str | None = None) -> Path:
         InputError: there is no such file and no such robot.
     """
     path = Path(DEFAULT if source is None else source)
-    if path.is_file():
-        return path
-    if str(path) in SHIPPED:
+    if str(path) in SHIPPED and not os.path.isfile(path):
         return ROBOTS / f"{path}.toml"
+    if os.path.lexists(path):  # whatever it is, its reader says what is wrong with it
+        return path
     raise InputError("model", path, f"a model file (.toml) or {nearest(str(path), SHIPPED)}")
 
 
@@ -197,11 +198,7 @@ def read_model_file(source: Path | str | None = None) -> ModelFile:
         InputError: no such file, broken TOML, unknown or missing keys, values out of range.
     """
     path = find_model_file(source)
-    try:
-        values = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
-        raise InputError(str(path), str(error).splitlines()[0], "readable TOML") from None
-    return checked(ModelFile, values, path, "a model file")
+    return checked(ModelFile, toml_values(path, "a model file (TOML)"), path, "a model file")
 
 
 def load_model(source: Path | str | None = None, *, sensors: Sensing = "required") -> PointModel:

@@ -127,14 +127,28 @@ def _horizon(
 def _judged(log: MeasuredLog, length: float) -> tuple[Windows, npt.NDArray[np.int64]]:
     """Windows that share no measurement, and a row of each that says where it was.
 
-    That row's noise must be in no window's error: the middle of a window, or, for windows of one
-    step, the row before.
+    That row's noise must be in no window's error: the tracked row nearest to the middle of a
+    window, or, for windows of one step, the row before. Where no such row is tracked, the place of
+    the window is unknown.
     """
     pairs = windows(log, length, apart=True)
-    middle = (pairs.first + pairs.last) // 2
+    middle = _tracked_inside(log, pairs, (pairs.first + pairs.last) // 2)
     middle = np.where(pairs.last - pairs.first > 1, middle, pairs.first - 1)
     ok = (middle >= 0) & (log.stretch[middle] == log.stretch[pairs.first])
     return Windows(pairs.first[ok], pairs.last[ok]), middle[ok]
+
+
+def _tracked_inside(
+    log: MeasuredLog, pairs: Windows, wanted: npt.NDArray[np.int64]
+) -> npt.NDArray[np.int64]:
+    """(windows,) the tracked row nearest to the wanted one, or that one where none lies inside."""
+    tracked = np.flatnonzero(log.tracked)  # holds the windows' ends
+    above = np.searchsorted(tracked, wanted).clip(1, len(tracked) - 1)
+    both = np.stack([tracked[above - 1], tracked[above]])
+    inside = (both > pairs.first) & (both < pairs.last)
+    away = np.where(inside, np.abs(both - wanted), len(log.t))
+    nearest = np.take_along_axis(both, away.argmin(axis=0)[None], axis=0)[0]
+    return np.where(inside.any(axis=0), nearest, wanted)
 
 
 def _unshrunk(

@@ -9,24 +9,25 @@ beyond what health gives. What is named later is what changed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Protocol, TypeVar
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from embedded_sim import Drive, InputError
+from embedded_sim import Drive
 from embedded_sim.model import FloatArray
+from models.catalogue import every_cause
 from models.causes import Motion
-from models.files import Table, read_json, write_json
+from models.files import Finite, Refused, read_json, write_json
 from models.identify.inherent import INHERENT
 
 DIRECTORY = Path(__file__).parent / "references"
 SCHEMA = 1
 
 
-class Spread(Table):
+class Spread(Finite):
     """What healthy robots get for a term: coordinates (p,), see `models.causes.Parameter`."""
 
     mean: tuple[float, ...]
@@ -46,7 +47,19 @@ class Spread(Table):
         return np.array(self.mean), np.array(self.sd)
 
 
-class Structure(Table):
+def check_sizes(terms: Mapping[str, Spread]) -> None:
+    """Refuse a term with another number of coordinates than its cause has; one of a cause that the
+    catalogue does not have is left alone.
+    """
+    for key, spread in terms.items():
+        cause = every_cause().get(key.partition("/")[0])
+        size = len(spread.mean) if cause is None else len(cause.parameters)
+        for name in ("mean", "sd", "swarm_mean", "swarm_sd"):
+            if (found := len(getattr(spread, name))) != size:
+                raise Refused(f"terms.{key}.{name}", f"{found} numbers", f"{size} numbers")
+
+
+class Structure(Finite):
     """What healthy robots get for a flexible term (`models.identify.structure`)."""
 
     mean: float
@@ -62,7 +75,7 @@ UNKNOWN = Structure(mean=0.0, sd=0.0, swarm_sd=0.0, farthest=0.0, swarm_farthest
 """Where there is no reference at all, whatever follows something is beyond the model."""
 
 
-class Gates(Table):
+class Gates(Finite):
     """What a name needs beyond what healthy robots show."""
 
     gain: float = 12.0
@@ -77,7 +90,7 @@ class Gates(Table):
     ten million healthy robots by chance alone, because the tails of some sixty terms are not."""
 
 
-class Reference(Table):
+class Reference(Finite):
     """What is believed of healthy robots."""
 
     schema_version: int = SCHEMA
@@ -98,6 +111,15 @@ class Reference(Table):
     """What made it."""
     inputs: tuple[dict[str, str], ...] = ()
     """The files it was made from: `option`, `file`, `sha256`."""
+
+    @model_validator(mode="after")
+    def _sized(self) -> Reference:
+        """Refuse coordinates of other terms than ours."""
+        if len(self.inherent) != len(INHERENT.parameters):
+            expected = f"{len(INHERENT.parameters)} numbers"
+            raise Refused("inherent", f"{len(self.inherent)} numbers", expected)
+        check_sizes(self.terms)
+        return self
 
     def motion(self, believed: Motion) -> Motion:
         """A healthy robot's motion where the model believes another."""
@@ -145,9 +167,8 @@ def read_reference(path: Path) -> Reference:
     Raises:
         InputError: there is no such file, or it is not a reference.
     """
-    if not path.is_file():
-        raise InputError("--reference", path, "a file written by `realitygap reference`, or none")
-    return read_json(Reference, path, "a healthy reference")
+    what = "a file written by `realitygap reference`, or none"
+    return read_json(Reference, path, what, field="--reference")
 
 
 def shipped_reference(model: str, *, manoeuvres: bool = False) -> Reference | None:

@@ -14,7 +14,8 @@ import pandera.errors
 import pandera.pandas as pa
 
 from embedded_sim import SENSORS, InputError
-from embedded_sim.errors import nearest
+from embedded_sim.errors import LONGEST_NAME, nearest, shown
+from models.opened import parsing
 
 POSE = ("x", "y", "yaw")
 WHEEL_COMMANDS = ("cmd_left", "cmd_right")
@@ -46,6 +47,8 @@ SWITCHING = ("at-nest-to-opposite", "opposite-to-at-nest")
 
 _LIMIT = 1e12
 """Beyond any unit's largest plausible number (nanoseconds of an hour are 3.6e12 only in `t`)."""
+_ROBOTS = 2**53
+"""Largest number of a robot: whole numbers beyond are not exact in a column with holes."""
 _NEAR = 0.75
 """Likeness above which an unknown column is taken for a misspelt one."""
 
@@ -97,10 +100,9 @@ def check_columns(columns: list[str]) -> list[str]:
             raise InputError("columns", ", ".join(map(str, columns)) or "none", expected)
     for name in unknown:
         absent = [known for known in UNITS if known not in columns]
-        if difflib.get_close_matches(str(name).lower(), absent, n=1, cutoff=_NEAR):
-            raise InputError(
-                f"column {name}", "an unknown name", nearest(str(name).lower(), absent)
-            )
+        word = shown(name, LONGEST_NAME).lower()
+        if difflib.get_close_matches(word, absent, n=1, cutoff=_NEAR):
+            raise InputError(f"column {name}", "an unknown name", nearest(word, absent))
     pairs = [pair for pair in (WHEEL_COMMANDS, BODY_COMMANDS) if set(pair) & set(columns)]
     if not pairs:
         raise InputError(
@@ -126,21 +128,24 @@ def coerce(frame: pd.DataFrame) -> pd.DataFrame:
         raise InputError(
             "robot", f"{known['robot'].isna().sum()} empty values", "a robot in each row"
         )
-    robots = pd.to_numeric(known["robot"], errors="coerce")
-    if (robots % 1 != 0).any():
-        raise InputError("column robot", known["robot"][robots % 1 != 0].iloc[0], "whole numbers")
-    try:
-        checked: pd.DataFrame = SCHEMA.validate(known)
-    except pandera.errors.SchemaError as error:
-        raise _refusal(error, known) from None
-    except pandera.errors.SchemaErrors as errors:
-        raise _refusal(errors.schema_errors[0], known) from None
+    with parsing("column robot", "whole numbers"):
+        robots = pd.to_numeric(known["robot"], errors="coerce").astype(float)
+        wrong = known["robot"][(robots % 1 != 0) | (robots.abs() > _ROBOTS)]  # also for NaN
+    if len(wrong):
+        raise InputError("column robot", wrong.iloc[0], f"whole numbers within {_ROBOTS:g}")
+    with parsing("log", "a table of numbers"):
+        try:
+            checked: pd.DataFrame = SCHEMA.validate(known)
+        except pandera.errors.SchemaError as error:
+            raise _refusal(error, known) from None
+        except pandera.errors.SchemaErrors as errors:
+            raise _refusal(errors.schema_errors[0], known) from None
     return checked
 
 
 def _instead(name: str, unknown: list[str]) -> str:
     """A hint at the unknown column that was probably meant."""
-    lowered = {str(other).lower(): str(other) for other in unknown}
+    lowered = {shown(other, LONGEST_NAME).lower(): str(other) for other in unknown}
     aliases = {"yaw": ("theta", "heading", "th", "psi"), "t": ("time", "stamp", "timestamp")}
     close = [n for n in aliases.get(name, ()) if n in lowered]
     close = close or difflib.get_close_matches(name, lowered, n=1, cutoff=0.6)
@@ -157,4 +162,4 @@ def _refusal(error: pandera.errors.SchemaError, frame: pd.DataFrame) -> InputErr
         unit = UNITS.get(column) or ("whole numbers" if column == "robot" else "text")
         said = {"bool": "true or false"}.get(unit, f"numbers ({unit})" if unit else "text")
         said = "whole numbers" if column == "robot" else said
-    return InputError(f"column {column}", str(wrong).splitlines()[0][:80], said)
+    return InputError(f"column {column}", wrong, said)

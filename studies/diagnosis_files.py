@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
+import tomli_w
 
 from embedded_sim.errors import InputError, nearest
 from models.catalogue import every_cause
@@ -164,50 +164,7 @@ def write_extended(model: ModelFile, source: Path, named: Extension, out: Path) 
         shutil.copyfile(tables, out / tables.name)
         content["sensors"] = {"tables": tables.name}
     content["extension"] = {"log": named.log, "command": named.command, "causes": causes}
-    (out / "extended.toml").write_text(to_toml(content), encoding="utf-8")
-
-
-def to_toml(content: dict[str, Any]) -> str:
-    """Tables of numbers, texts, lists and tables as TOML."""
-    scalars = {k: v for k, v in content.items() if not isinstance(v, dict) and not _tables(v)}
-    lines = [f"{key} = {_literal(value)}" for key, value in scalars.items()]
-    return "\n".join([*lines, *_nested(content, "")]) + "\n"
-
-
-def _nested(table: dict[str, Any], path: str) -> list[str]:
-    """Sections of the tables inside a table."""
-    lines = []
-    for key, value in table.items():
-        name = f"{path}{key}"
-        if isinstance(value, dict):
-            flat = [f"{k} = {_literal(v)}" for k, v in value.items() if not _tables(v)]
-            lines += ["", f"[{name}]", *flat, *_arrays(value, name)]
-    return lines
-
-
-def _arrays(table: dict[str, Any], path: str) -> list[str]:
-    """Arrays of tables inside a table, their own tables inline."""
-    lines = []
-    for key, value in table.items():
-        for item in value if _tables(value) else ():
-            flat = [f"{k} = {_literal(v)}" for k, v in item.items()]
-            lines += ["", f"[[{path}.{key}]]", *flat]
-    return lines
-
-
-def _tables(value: Any) -> bool:
-    return isinstance(value, list) and bool(value) and isinstance(value[0], dict)
-
-
-def _literal(value: Any) -> str:
-    """A TOML literal; tables inline."""
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{k} = {_literal(v)}" for k, v in value.items()) + " }"
-    if isinstance(value, list):
-        return "[" + ", ".join(_literal(v) for v in value) + "]"
-    if isinstance(value, float):
-        return repr(value)
-    return json.dumps(value)
+    (out / "extended.toml").write_text(tomli_w.dumps(content), encoding="utf-8")
 
 
 def _reference(given: str | None, model: ModelFile, scripted: bool) -> Reference | None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from studies.typed import option, typed
+
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
@@ -20,9 +22,8 @@ class Request:
     @property
     def command(self) -> str:
         """What a user would type."""
-        words = ["realitygap diagnose", *(str(path) for path in self.logs)]
-        words += [f"--model {self.model}"] if self.model else []
-        words += [f"--reference {self.reference}"] if self.reference else []
-        words += [f"--seed {self.seed}"] if self.seed else []
-        words += [f"--without {name}" for name in self.without]
-        return " ".join(words)
+        words: list[object] = ["realitygap", "diagnose", *self.logs]
+        words += ["--model", self.model] if self.model else []
+        words += ["--reference", self.reference] if self.reference else []
+        words += ["--seed", self.seed] if self.seed else []
+        return typed(*words, *option("--without", self.without))

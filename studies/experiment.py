@@ -78,7 +78,7 @@ Minutes = Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)]
 """Simulated; at most a day."""
 Robots = Annotated[int, Field(ge=1, le=100)]
 """More do not find room in the arena."""
-Seed = Annotated[int, Field(ge=0)]
+Seed = Annotated[int, Field(ge=0, le=2**63 - 1)]
 Trials = Annotated[int, Field(ge=1, le=1000)]
 """Embedded trials per genome."""
 

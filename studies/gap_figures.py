@@ -40,7 +40,8 @@ def draw_figures(
         drawn = drawn or (gap.motion[-1] if gap.motion else None)
         if drawn is not None:
             _save(_maps(drawn), out / "maps.png")
-            _save(_arena(log, drawn), out / "arena.png")
+            if drawn.table[["x", "y"]].notna().all(axis=1).any():  # else nobody knows where it was
+                _save(_arena(log, drawn), out / "arena.png")
         if gap.sensors:
             _save(_sensors(gap), out / "sensors.png")
         if coevolution is not None:
@@ -148,12 +149,14 @@ def _map(axis: Axes, found: Map, *, labelled: bool) -> None:
 
 def _arena(log: MeasuredLog, gap: MotionGap) -> Figure:
     """Median size of the position error, and mean heading error, by place."""
-    x, y = (gap.table[name].to_numpy() for name in ("x", "y"))
-    reach = float(np.nanmax(np.abs([x, y]))) * 1.001
+    known = gap.table[["x", "y"]].notna().all(axis=1).to_numpy()
+    x, y = gap.table.loc[known, ["x", "y"]].to_numpy().T
+    error = gap.error[known]
+    reach = float(np.abs([x, y]).max()) * 1.001
     edges = np.linspace(-reach, reach, CELLS + 1)
     cell = pd.DataFrame({"i": np.digitize(y, edges) - 1, "j": np.digitize(x, edges) - 1})
-    cell["position error (mm)"] = 1000 * np.hypot(gap.error[:, 0], gap.error[:, 1])
-    cell["heading error (rad)"] = gap.error[:, 2]
+    cell["position error (mm)"] = 1000 * np.hypot(error[:, 0], error[:, 1])
+    cell["heading error (rad)"] = error[:, 2]
     figure = Figure(figsize=(10, 4.6), layout="constrained")
     for axis, name in zip(figure.subplots(1, 2), cell.columns[2:], strict=True):
         signed = name.startswith("heading")

@@ -14,6 +14,7 @@ from models.log import MeasuredLog
 from models.proposal.menu import ENOUGH, SECONDS, Proposal
 from studies.diagnosis_request import Request
 from studies.paper.page import Picture, Section, Table
+from studies.typed import typed
 
 MENU = (
     "How far apart the rivals' predictions are in every manoeuvre of the menu, in standard "
@@ -32,19 +33,18 @@ def commands(proposal: Proposal, request: Request, log: MeasuredLog) -> tuple[st
         return (_together(request, f"out/{name}.parquet", name),)
     cases = log.frame["case"].dropna() if "case" in log.frame else pd.Series(dtype=object)
     case = "no-light" if proposal.probe.dark else None if cases.empty else cases.mode().iloc[0]
-    perform = ["realitygap run", f"--controller {PREFIX}{name}", f"--minutes {SECONDS / 60:g}"]
-    perform += [f"--robots {log.frame['robot'].nunique()}"]
-    perform += [f"--case {case}"] if case else []
-    perform += [f"--out out/{name}"]
-    return " ".join(perform), _together(request, f"out/{name}", name)
+    perform = ["realitygap", "run", "--controller", PREFIX + name, "--minutes", f"{SECONDS / 60:g}"]
+    perform += ["--robots", str(log.frame["robot"].nunique())]
+    perform += ["--case", case] if case else []
+    return typed(*perform, "--out", f"out/{name}"), _together(request, f"out/{name}", name)
 
 
 def _together(request: Request, log: str, name: str) -> str:
     """The command that diagnoses a further log with the others."""
-    words = ["realitygap diagnose", *(str(path) for path in request.logs), log]
-    words += [f"--model {request.model}"] if request.model else []
-    words += [f"--reference {request.reference}"] if request.reference else []
-    return " ".join([*words, f"--out out/{name}-diagnosis"])
+    words: list[object] = ["realitygap", "diagnose", *request.logs, log]
+    words += ["--model", request.model] if request.model else []
+    words += ["--reference", request.reference] if request.reference else []
+    return typed(*words, "--out", f"out/{name}-diagnosis")
 
 
 def next_section(proposal: Proposal | None, following: Sequence[str], room: Path) -> list[Section]:

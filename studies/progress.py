@@ -18,8 +18,14 @@ from rich.progress import (
 )
 from rich.progress import Progress as Bar
 
+from embedded_sim.errors import shown
+
 LINE_SECONDS = 15.0
 """s between plain lines where there is no terminal; our choice."""
+
+
+LONGEST_LINE = 2000
+"""Letters of a line; what it quotes may be of any length."""
 
 
 class Shown:
@@ -60,7 +66,8 @@ class Shown:
     def say(self, text: str) -> None:
         """A line for the person watching."""
         if not self._quiet:
-            self._console.print(text, highlight=False, soft_wrap=True, markup=False)
+            line = shown(text, LONGEST_LINE)
+            self._console.print(line, highlight=False, soft_wrap=True, markup=False)
 
     def _change(self, *, last: bool = False, **changed: Any) -> bool:
         """Change the bar; without one, whether it is time for a line, as it is for the last."""
@@ -100,7 +107,7 @@ class Stages(Shown):
 
     def begin(self, stage: str) -> None:
         """This is done from now on."""
-        self._change(description=f"{self._what}: {stage}")
+        self._change(description=shown(f"{self._what}: {stage}"))
 
 
 def unseen(stage: str) -> None:

@@ -22,6 +22,7 @@ from studies.execution import Workers, processes
 from studies.output import check_free, whole_file
 from studies.provenance import log_read, model_read
 from studies.sense_reference_files import sense_reference_of
+from studies.typed import typed
 
 MINUTES = 2.0
 """Simulated, of a recorded run: what a diagnosis is usually made of."""
@@ -53,11 +54,11 @@ class ReferenceRequest:
     @property
     def command(self) -> str:
         """What a user would type."""
-        words = ["realitygap reference", *(str(path) for path in self.logs)]
-        words += [f"--runs {self.runs} --seed {self.seed}"] if self.runs else []
+        words: list[object] = ["realitygap", "reference", *self.logs]
+        words += ["--runs", self.runs, "--seed", self.seed] if self.runs else []
         words += ["--manoeuvres"] if self.manoeuvres else []
-        words += [f"--model {self.model}"] if self.model else []
-        return " ".join(words)
+        words += ["--model", self.model] if self.model else []
+        return typed(*words)
 
 
 def write_reference_of(

@@ -46,4 +46,5 @@ def checked(kind: type[Config], values: Mapping[str, Any]) -> Config:
         first = error.errors()[0]
         option = str(first["loc"][0]).replace("_", "-")
         expected = first["msg"].removeprefix("Input should be ")
-        raise InputError(f"--{option}", first["input"], f"a value {expected}") from None
+        expected = expected if expected.startswith("a ") else f"a value {expected}"
+        raise InputError(f"--{option}", first["input"], expected) from None

@@ -33,8 +33,11 @@ def join(
         poses: (poses, 3).
 
     Raises:
-        InputError: the two series do not overlap in time.
+        InputError: one series has fewer than two rows, or they do not overlap in time.
     """
+    for name, t in (("commands", command_t), ("poses", pose_t)):
+        if len(t) < 2:
+            raise InputError(name, f"{len(t)} rows with all their values", "at least two")
     low, high = max(command_t[0], pose_t[0]), min(command_t[-1], pose_t[-1])
     if not low < high:
         raise InputError(
@@ -84,6 +87,13 @@ def _interpolated(pose_t: FloatArray, poses: FloatArray, t: FloatArray) -> Float
 def series(
     table: pd.DataFrame, time: str, names: list[str]
 ) -> tuple[FloatArray, npt.NDArray[np.float64]]:
-    """A table's time and columns as arrays, in order of time, rows with holes left out."""
+    """A table's time and columns as arrays, in order of time, rows with holes left out.
+
+    Raises:
+        InputError: a value is infinite.
+    """
     usable = table[[time, *names]].dropna().sort_values(time, kind="stable")
-    return usable[time].to_numpy(dtype=float), usable[names].to_numpy(dtype=float)
+    t, values = usable[time].to_numpy(dtype=float), usable[names].to_numpy(dtype=float)
+    if not (np.isfinite(t).all() and np.isfinite(values).all()):
+        raise InputError(" or ".join([time, *names]), "infinite values", "numbers")
+    return t, values

@@ -19,7 +19,6 @@ With `[poses]` the columns x, y and yaw are read from that file and joined to th
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -32,6 +31,7 @@ from embedded_sim.errors import nearest
 from models.files import Table, checked
 from models.formats.joined import join, latest, series
 from models.log import read_table
+from models.opened import parsing, toml_values
 from models.schema import BODY_COMMANDS, POSE, UNITS, WHEEL_COMMANDS
 from models.unit_mistakes import EPUCK_STEPS
 
@@ -80,11 +80,7 @@ def read_map(path: Path) -> Map:
     Raises:
         InputError: no such file, broken TOML, unknown keys, columns or units.
     """
-    try:
-        values = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError("--map", str(error).splitlines()[0], "a readable TOML map") from None
-    found = checked(Map, values, path, "a map")
+    found = checked(Map, toml_values(path, "a map (TOML)", field="--map"), path, "a map")
     for name, source in found.columns.items():
         if name not in UNITS:
             raise InputError(
@@ -134,9 +130,9 @@ def _joined(commands: pd.DataFrame, poses: pd.DataFrame, map_path: Path) -> pd.D
         there = poses
         for name, value in zip(keys, key if isinstance(key, tuple) else (key,), strict=True):
             there = there[there[name] == value]
-        if len(part) < 2 or len(there) < 2:
-            continue
         told, seen = latest(*series(part, "t", pair)), latest(*series(there, "t", list(POSE)))
+        if len(told[0]) < 2 or len(seen[0]) < 2:  # a robot that was never told or never seen
+            continue
         t, held, at = join(told[0], told[1], seen[0], seen[1])
         columns: dict[str, Any] = {
             name: part[name].iloc[0] for name in ("run", "robot") if name in part
@@ -163,11 +159,13 @@ def _columns(
             )
         values = raw[source.name]
         scale = _scale(name, source, map_path)
-        if scale != 1.0:
-            numbers = pd.to_numeric(values, errors="coerce")
-            if (numbers.isna() & values.notna()).any():
-                raise InputError(f"{path.name}: {source.name}", "text", "numbers")
-            values = numbers * scale
+        if scale != 1.0 or UNITS[name] not in ("", "bool"):
+            with parsing(f"{path.name}: {source.name}", "numbers"):
+                numbers = pd.to_numeric(values, errors="coerce").astype(float)
+            if len(wrong := values[numbers.isna() & values.notna()]):
+                raise InputError(f"{path.name}: {source.name}", wrong.iloc[0], "numbers")
+            with np.errstate(over="ignore"):  # infinite numbers are refused as such
+                values = numbers * scale
         result[name] = values
     return pd.DataFrame(result)
 

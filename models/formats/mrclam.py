@@ -18,6 +18,7 @@ import pandas as pd
 from embedded_sim import InputError
 from embedded_sim.model import FloatArray
 from models.formats.joined import join, latest
+from models.formats.numbers import read_numbers
 
 COMMANDS, POSES = "Robot{}_Odometry.dat", "Robot{}_Groundtruth.dat"
 
@@ -54,17 +55,5 @@ def _robot(directory: Path, robot: int) -> pd.DataFrame:
 
 def _numbers(path: Path, columns: int) -> FloatArray:
     """A file of numbers between white space, in order of time."""
-    if not path.is_file():
-        raise InputError("source", f"no {path.name} in {path.parent}", "both files of each robot")
-    text = path.read_text(encoding="utf-8", errors="replace").splitlines()
-    lines = [line for line in text if line.strip() and not line.startswith("#")]
-    if len(lines) < 2:
-        raise InputError(str(path), f"{len(lines)} rows", "at least two rows")
-    try:
-        values = np.loadtxt(lines, usecols=range(columns), ndmin=2)
-    except (ValueError, IndexError) as error:
-        said = str(error).splitlines()[0]
-        raise InputError(str(path), said, f"{columns} numbers in each row") from None
-    if not np.isfinite(values).all():
-        raise InputError(str(path), "values that are not finite", "numbers")
+    values = read_numbers(path, columns, "both files of each robot")
     return values[np.argsort(values[:, 0], kind="stable")]

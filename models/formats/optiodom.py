@@ -15,11 +15,15 @@ import numpy.typing as npt
 import pandas as pd
 
 from embedded_sim import Drive, InputError
+from models.formats.numbers import numbers, read_numbers, read_plain
 
 CYCLE = 0.05
 """s, the robot's control cycle (20 Hz)."""
 TICKS_PER_TURN = 64 * 43.7
 """Encoder ticks per wheel revolution: 64 per motor revolution, gear 43.7 (session metadata)."""
+
+PAIR = 16
+"""bytes of the ticks of two wheels."""
 
 Array = npt.NDArray[np.float64]
 
@@ -50,7 +54,7 @@ def _session(directory: Path, drive: Drive) -> pd.DataFrame:
     metre = np.pi * sum(drive.wheel_radius) / TICKS_PER_TURN
     runs = []
     for path in sorted(directory.glob(f"{name}_run-*.csv")):
-        truth = _numbers(path, 6)
+        truth = read_numbers(path, 6, "the poses of a run", delimiter=",")
         rows = _match(logged, truth[:, [5, 4]], path)
         ticks = truth[:, [5, 4]] * (2 * np.pi / TICKS_PER_TURN / CYCLE)
         runs.append(
@@ -74,47 +78,32 @@ def _session(directory: Path, drive: Drive) -> pd.DataFrame:
 
 def _robot_log(path: Path) -> list[Array]:
     """Per run (cycles, 4): ticks left, ticks right, vlin (ticks/cycle), omega (rad/cycle)."""
-    if not path.is_file():
-        raise InputError("source", f"no {path.name} in {path.parent}", "the robot's own log")
-    text = path.read_text(encoding="utf-8", errors="replace")
-    _, *parts = text.split("Run:")
+    _, *parts = read_plain(path, "the robot's own log").split("Run:")
     runs = []
     for part in parts:
         lines = [line for line in part.splitlines()[1:] if line and line[0] in "-0123456789"]
-        values = _parse(lines, path, 8)
+        values = numbers(lines, path, 8, delimiter=",")
         runs.append(values[:, [1, 2, 6, 7]])
     if not runs:
         raise InputError(str(path), "no line starting with Run:", "command rows after each Run:")
     return runs
 
 
-def _numbers(path: Path, columns: int) -> Array:
-    """A file of comma-separated numbers."""
-    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
-    return _parse([line for line in lines if line.strip()], path, columns)
-
-
-def _parse(lines: list[str], path: Path, columns: int) -> Array:
-    """The first `columns` numbers of each line."""
-    if len(lines) < 2:
-        raise InputError(str(path), f"{len(lines)} rows", "at least two rows")
-    try:
-        return np.loadtxt(lines, delimiter=",", usecols=range(columns), ndmin=2)
-    except (ValueError, IndexError) as error:
-        said = str(error).splitlines()[0]
-        raise InputError(str(path), said, f"{columns} numbers in each row") from None
+def _as_bytes(ticks: Array) -> bytes:
+    """(rows, 2) ticks so that equal ones have equal bytes."""
+    return np.ascontiguousarray(ticks + 0.0, dtype=np.float64).tobytes()  # -0 becomes 0
 
 
 def _match(logged: list[Array], ticks: Array, path: Path) -> Array:
     """The robot's rows whose ticks are those of a tracked run, wherever they are."""
+    wanted = _as_bytes(ticks)
     for rows in logged:
-        if len(rows) < len(ticks):
-            continue
-        views = np.lib.stride_tricks.sliding_window_view(rows[:, :2], len(ticks), axis=0)
-        same = (views == ticks.T).all(axis=(1, 2))
-        if same.any():
-            first = int(np.argmax(same))
-            return rows[first : first + len(ticks)]
+        there = _as_bytes(rows[:, :2])
+        at = there.find(wanted)  # takes time and memory as the rows, not as rows times ticks
+        while at >= 0 and at % PAIR:
+            at = there.find(wanted, at + 1)
+        if at >= 0:
+            return rows[at // PAIR :][: len(ticks)]
     raise InputError(
         str(path), f"{len(ticks)} cycles of ticks", "the same ticks in the session's own log"
     )

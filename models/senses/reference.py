@@ -11,12 +11,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from embedded_sim import InputError
+from embedded_sim.errors import nearest, quoted
 from embedded_sim.model import FloatArray
-from models.files import Table, read_json, write_json
-from models.reference import UNKNOWN, Spread, Structure, find_shipped
+from models.files import Finite, Refused, read_json, write_json
+from models.reference import UNKNOWN, Spread, Structure, check_sizes, find_shipped
 from models.senses.cause import Belief
 from models.senses.causes import sense_causes
 
@@ -46,7 +46,7 @@ class Health(Spread):
     swarm_gain: float
 
 
-class Level(Table):
+class Level(Finite):
     """A number of healthy robots, and its standard deviations between robots and swarms."""
 
     mean: float = 0.0
@@ -57,7 +57,7 @@ class Level(Table):
     swarm_farthest: float = 0.0
 
 
-class SenseReference(Table):
+class SenseReference(Finite):
     """What is believed of healthy robots' senses."""
 
     schema_version: int = SCHEMA
@@ -87,6 +87,15 @@ class SenseReference(Table):
     margin: float = 1.3
     """Times the farthest healthy robot."""
     command: str = ""
+
+    @model_validator(mode="after")
+    def _sized(self) -> SenseReference:
+        """Refuse coordinates of other terms than ours."""
+        for name in self.inherent:
+            if name not in INHERENT:
+                raise Refused("inherent", quoted(name), nearest(name, INHERENT))
+        check_sizes(self.terms)
+        return self
 
     def base(self, believed: Belief) -> Belief:
         """A healthy robot's senses where the model believes these."""
@@ -190,9 +199,8 @@ def read_sense_reference(path: Path) -> SenseReference:
     Raises:
         InputError: there is no such file, or it is not a reference of senses.
     """
-    if not path.is_file():
-        raise InputError("reference of the senses", path, "a file of `realitygap reference`")
-    return read_json(SenseReference, path, "a reference of the senses")
+    what = "a reference of the senses of `realitygap reference`"
+    return read_json(SenseReference, path, what, field="reference of the senses")
 
 
 def beside(motion: Path) -> Path:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -64,11 +65,18 @@ def parse(spec: str, effects: Mapping[str, Effect], robots: int) -> Hidden:
     return Hidden(effect, values, tuple(sorted(set(chosen))))
 
 
+def spec_of(truth: Mapping[str, Any]) -> str:
+    """The SPEC of an entry of `truth.json`, as `Hidden.truth` writes it."""
+    items = [f"{key}={value}" for key, value in truth["parameters"].items()]
+    items += [f"robot={robot}" for robot in truth["robots"] if truth["robots"] != "all"]
+    return f"{truth['name']}:" + ",".join(items)
+
+
 def _robot(effect: Effect, text: str, robots: int) -> int:
     field = f"--effect {effect.name}:robot"
     if not effect.per_robot:
         raise InputError(field, text, "no robot: this effect belongs to the place")
-    if not text.isdecimal() or int(text) >= robots:
+    if not text.isdecimal() or len(text) > len(str(robots)) or int(text) >= robots:
         raise InputError(field, text, f"a robot from 0 to {robots - 1}")
     return int(text)
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import importlib
+import io
 import sys
 from typing import Any
 
 import typer
 
-from embedded_sim.errors import Diverged, InputError
+from embedded_sim.errors import LONGEST_EXPECTED, Diverged, InputError, shown
 
 app = typer.Typer(
     name="realitygap",
@@ -44,6 +45,9 @@ for _name in COMMANDS:
 
 def main() -> None:
     """Run a command: bad input is one line and exit code 2, divergence 1, an interrupt 130."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        # as stderr does: a name that is no text, or a terminal without our letters
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
         sys.exit(app(standalone_mode=False))
     except InputError as error:
@@ -51,10 +55,10 @@ def main() -> None:
         sys.exit(2)
     except _UsageError as error:
         if said := error.format_message():  # empty after a command without words: help was shown
-            sys.stderr.write(f"realitygap: {said} (see --help)\n")
+            sys.stderr.write(f"realitygap: {shown(said, LONGEST_EXPECTED)} (see --help)\n")
         sys.exit(2)
     except Diverged as error:
-        sys.stderr.write(f"realitygap: {error}\n")
+        sys.stderr.write(f"realitygap: {shown(error, LONGEST_EXPECTED)}\n")
         sys.exit(1)
     except typer.Abort:
         sys.exit(130)

@@ -8,17 +8,20 @@ from typing import Annotated
 import typer
 
 from studies.cli import app
-from studies.cli.options import Jobs, Quiet, Scheduler
+from studies.cli.options import Jobs, Quiet, Scheduler, Seed
 from studies.cli.resume import resumable
+from studies.cli.say import say
 
 
 @app.command(epilog="Example: realitygap blind --trials 60 --seed 3 --out out/blind")
 def blind(
     out: Annotated[Path, typer.Option(help="The battery's directory; an unfinished one resumes.")],
-    trials: Annotated[int, typer.Option(help="Runs; a larger number extends a battery.")] = 200,
+    trials: Annotated[
+        int, typer.Option(min=1, max=100_000, help="Runs; a larger number extends a battery.")
+    ] = 200,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
-    seed: Annotated[int, typer.Option(help="Everything drawn follows from it.")] = 0,
+    seed: Seed = 0,
     only: Annotated[
         list[str] | None,
         typer.Option(help="Effect to draw from, repeatable; all the diagnosis knows if absent."),
@@ -27,7 +30,7 @@ def blind(
         bool, typer.Option("--at-bars", help="Every effect exactly at its bar, in 120 s.")
     ] = False,
     crowd: Annotated[
-        int, typer.Option(help="Robots of a run that each have an effect of their own.")
+        int, typer.Option(min=1, help="Robots of a run that each have an effect of their own.")
     ] = 1,
     kind: Annotated[
         list[str] | None,
@@ -74,7 +77,7 @@ def blind(
         summary = run_battery(config, out, Workers.chosen(jobs, scheduler), quiet=quiet)
     if not quiet:
         wrong, healthy = summary["wrong_names"], summary["healthy_robots_accused"]
-        typer.echo(
+        say(
             f"{summary['trials']} trials: {wrong['hits']} of {wrong['trials']} names wrong, "
             f"{healthy['hits']} of {healthy['trials']} healthy robots accused; "
             f"{out / 'report.html'}"

@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from studies.cli import app
-from studies.cli.options import Force, Jobs, Quiet
+from studies.cli.options import Force, Jobs, Quiet, Seed
+from studies.cli.say import say
 
 EXAMPLE = """Example: realitygap demo --out out/demo --seed 3"""
 
@@ -16,9 +17,7 @@ EXAMPLE = """Example: realitygap demo --out out/demo --seed 3"""
 @app.command(epilog=EXAMPLE)
 def demo(
     out: Annotated[Path, typer.Option(help="Where to write.")] = Path("out/demo"),
-    seed: Annotated[
-        int, typer.Option(min=0, help="Everything random follows from it, also what is hidden.")
-    ] = 0,
+    seed: Seed = 0,
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -41,4 +40,4 @@ def demo(
         write_json(part / "demo.json", as_json(story))
         write_report(story, part)
     if not quiet:
-        typer.echo(f"{verdict_line(story).capitalize()}. See {out / 'report.html'}")
+        say(f"{verdict_line(story).capitalize()}. See {out / 'report.html'}")

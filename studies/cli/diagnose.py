@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from studies.cli import app
-from studies.cli.options import Force, Model, Out, Quiet
+from studies.cli.options import Force, Model, Out, Quiet, Seed
+from studies.cli.say import say
 
 EXAMPLE = """Example: realitygap diagnose out/run1 --out out/diagnosis"""
 
@@ -22,7 +23,7 @@ def diagnose(
         str | None,
         typer.Option(help="Healthy reference, or none; the shipped one of the model if absent."),
     ] = None,
-    seed: Annotated[int, typer.Option(help="Of the intervals' resampling.")] = 0,
+    seed: Seed = 0,
     without: Annotated[
         list[str] | None,
         typer.Option(help="Cause to do without, as if unknown; repeatable."),
@@ -51,5 +52,5 @@ def diagnose(
     with Stages("diagnose", quiet) as shown:
         found = diagnose_files(request, out, force=force, begin=shown.begin)
     if not quiet:
-        typer.echo(verdict_sentence(found))
-        typer.echo(f"{out / 'report.html'}: written")
+        say(verdict_sentence(found))
+        say(f"{out / 'report.html'}: written")

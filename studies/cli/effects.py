@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from studies.cli import app
+from studies.cli.say import say
 
 
 @app.command(epilog="Example: realitygap effects | less")
@@ -24,22 +25,22 @@ def effects(
     if quiet:
         for kind in KINDS:
             for entry in entries(kind):
-                typer.echo(entry.effect.name)
+                say(entry.effect.name)
         return
     console = Console(highlight=False)
 
-    def say(text: str, style: str = "") -> None:
+    def write(text: str, style: str = "") -> None:
         console.print(text, style=style, markup=False, soft_wrap=not console.is_terminal)
 
     for kind, heading in KINDS.items():
-        say(heading.upper(), "bold")
+        write(heading.upper(), "bold")
         for entry in entries(kind):
             effect = entry.effect
-            say(f"\n  {effect.name}" + ("" if effect.per_robot else "  (place)"), "bold cyan")
+            write(f"\n  {effect.name}" + ("" if effect.per_robot else "  (place)"), "bold cyan")
             for key in entry.keys:
-                say(f"      {key}")
-            say(f"      physics: {effect.physics}")
-            say(f"      diagnosis: {entry.cause or 'not in its catalogue'}")
+                write(f"      {key}")
+            write(f"      physics: {effect.physics}")
+            write(f"      diagnosis: {entry.cause or 'not in its catalogue'}")
             if entry.confusable_with:
-                say(f"      confusable with: {', '.join(entry.confusable_with)}")
-        say("")
+                write(f"      confusable with: {', '.join(entry.confusable_with)}")
+        write("")

@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from studies.cli import app
-from studies.cli.options import Force, Jobs, Out, Quiet
+from studies.cli.options import MOST_RUNS, Force, Jobs, Minutes, Out, Quiet, Seed
+from studies.cli.say import say
 
 EXAMPLE = (
     "Example: realitygap gain --log out/odd --extended out/odd-diagnosis/extended.toml "
@@ -36,9 +37,9 @@ def gain(
         Path | None,
         typer.Option(help="Directory of a finished `study transfer`: the gain in food, beside."),
     ] = None,
-    runs: Annotated[int, typer.Option(help="Fresh runs to record.")] = 6,
-    minutes: Annotated[float, typer.Option(help="Simulated minutes of each.")] = 2.0,
-    seed: Annotated[int, typer.Option(min=0, help="Of the fresh runs and the intervals.")] = 0,
+    runs: Annotated[int, typer.Option(min=1, max=MOST_RUNS, help="Fresh runs to record.")] = 6,
+    minutes: Minutes = 2.0,
+    seed: Seed = 0,
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -71,11 +72,11 @@ def gain(
         with Progress("gain", 1.0, quiet) as shown:
             found = measure_gain(request, shown.reach)
     except GainFailed as error:
-        typer.echo(f"realitygap: {error}", err=True)
+        say(f"realitygap: {error}", err=True)
         raise typer.Exit(1) from None
     with whole_directory(out, force=force, holds=("gain.json",)) as part:
         lines = write_gain(found, part)
     if not quiet:
         for line in lines:
-            typer.echo(line)
-        typer.echo(f"{out / 'report.html'}: written")
+            say(line)
+        say(f"{out / 'report.html'}: written")

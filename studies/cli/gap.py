@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from studies.cli import app
-from studies.cli.options import Force, Model, Out, Quiet
+from studies.cli.options import Force, Model, Out, Quiet, Seed
+from studies.cli.say import say
 
 EXAMPLE = """Example: realitygap gap out/run1 --out out/gap1"""
 
@@ -18,7 +19,7 @@ def gap(
     log: Annotated[Path, typer.Argument(help="Measured log, or the directory of a run or study.")],
     out: Out,
     model: Model = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of the tests' random turns.")] = 0,
+    seed: Seed = 0,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
@@ -66,5 +67,5 @@ def gap(
                 )
     if not quiet:
         for line in report["summary"]:
-            typer.echo(line)
-        typer.echo(f"{out / 'gap.json'}: written")
+            say(line)
+        say(f"{out / 'gap.json'}: written")

@@ -11,6 +11,7 @@ import typer
 from embedded_sim.errors import InputError, nearest
 from studies.cli import app
 from studies.cli.options import Force, Out, Quiet
+from studies.cli.say import say
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -65,10 +66,10 @@ def import_(
             write_table(log.frame, part)
     if not quiet:
         for note in log.notes:
-            typer.echo(note)
+            say(note)
         runs, robots = log.segments["run"].nunique(), log.segments["robot"].nunique()
         rows = f"{len(log.t)} rows, {runs} runs, {robots} robots, a row each {log.step:g} s"
-        typer.echo(f"{out}: {rows}")
+        say(f"{out}: {rows}")
 
 
 def _read(

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from studies.cli import app
-from studies.cli.options import Force, Jobs, Model, Out, Quiet
+from studies.cli.options import MOST_RUNS, Force, Jobs, Model, Out, Quiet, Seed
 
 EXAMPLE = """Example: realitygap reference healthy1.parquet healthy2.parquet --out lab.json"""
 
@@ -21,11 +21,14 @@ def reference(
         typer.Argument(help="Measured logs of sound robots, or directories of runs."),
     ] = None,
     model: Model = None,
-    runs: Annotated[int, typer.Option(help="Healthy runs of the nominal world to record.")] = 0,
+    runs: Annotated[
+        int,
+        typer.Option(min=0, max=MOST_RUNS, help="Healthy runs of the nominal world to record."),
+    ] = 0,
     manoeuvres: Annotated[
         bool, typer.Option("--manoeuvres", help="Record the manoeuvres of probe:NAME in turn.")
     ] = False,
-    seed: Annotated[int, typer.Option(help="Of the recorded runs.")] = 0,
+    seed: Seed = 0,
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,

@@ -7,6 +7,8 @@ from contextlib import contextmanager
 
 import typer
 
+from studies.cli.say import say
+
 
 @contextmanager
 def resumable() -> Iterator[None]:
@@ -16,5 +18,5 @@ def resumable() -> Iterator[None]:
     try:
         yield
     except Unfinished as error:
-        typer.echo(f"realitygap: {error}; start the command again to go on", err=True)
+        say(f"realitygap: {error}; start the command again to go on", err=True)
         raise typer.Exit(1) from None

@@ -8,7 +8,7 @@ import typer
 
 from embedded_sim.probes import MENU
 from studies.cli import app
-from studies.cli.options import Force, Genome, OnBoard, Out, Quiet, Robots, Trials
+from studies.cli.options import Force, Genome, Minutes, OnBoard, Out, Quiet, Robots, Seed, Trials
 
 EXAMPLE = """Example: realitygap run --case light-at-nest --minutes 10 --seed 1 --out out/run1"""
 
@@ -30,9 +30,9 @@ def run(
             "probe:NAME: " + ", ".join(MENU) + "."
         ),
     ] = "coevolution",
-    minutes: Annotated[float, typer.Option(help="Simulated minutes.")] = 60.0,
+    minutes: Minutes = 60.0,
     robots: Robots = 10,
-    seed: Annotated[int, typer.Option(help="Everything random follows from it.")] = 0,
+    seed: Seed = 0,
     effect: Annotated[
         list[str] | None,
         typer.Option(help="NAME:key=value[,key=value...] to hide in reality; repeatable."),

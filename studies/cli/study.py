@@ -10,14 +10,15 @@ import typer
 
 from studies.cli import app
 from studies.cli.options import (
+    MOST_RUNS,
     Jobs,
+    Minutes,
     OnBoard,
     Quiet,
     Robots,
     Scheduler,
-    StudyMinutes,
+    Seed,
     StudyOut,
-    StudySeed,
 )
 from studies.cli.resume import resumable
 
@@ -33,10 +34,12 @@ app.add_typer(study)
 @study.command(epilog="Example: realitygap study paper --runs 2 --minutes 4 --out out/study")
 def paper(
     out: StudyOut,
-    runs: Annotated[int, typer.Option(help="Runs of each of the eight conditions.")] = 10,
-    minutes: StudyMinutes = 60.0,
+    runs: Annotated[
+        int, typer.Option(min=1, max=MOST_RUNS, help="Runs of each of the eight conditions.")
+    ] = 10,
+    minutes: Minutes = 60.0,
     robots: Robots = 10,
-    seed: StudySeed = 0,
+    seed: Seed = 0,
     model: OnBoard = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
@@ -54,10 +57,12 @@ def paper(
 @study.command(epilog="Example: realitygap study readings --runs 2 --minutes 10 --out out/readings")
 def readings(
     out: StudyOut,
-    runs: Annotated[int, typer.Option(help="Runs of each condition and variant.")] = 4,
-    minutes: StudyMinutes = 30.0,
+    runs: Annotated[
+        int, typer.Option(min=1, max=MOST_RUNS, help="Runs of each condition and variant.")
+    ] = 4,
+    minutes: Minutes = 30.0,
     robots: Robots = 10,
-    seed: StudySeed = 0,
+    seed: Seed = 0,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     quiet: Quiet = False,

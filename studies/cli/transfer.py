@@ -8,14 +8,15 @@ from typing import Annotated
 import typer
 
 from studies.cli.options import (
+    MOST_RUNS,
     Genome,
     Jobs,
+    Minutes,
     Quiet,
     Robots,
     Scheduler,
-    StudyMinutes,
+    Seed,
     StudyOut,
-    StudySeed,
     Trials,
 )
 from studies.cli.resume import resumable
@@ -40,13 +41,17 @@ def transfer(
         Path | None,
         typer.Option(help="Extended model on board; diagnosed from a recorded log if absent."),
     ] = None,
-    runs: Annotated[int, typer.Option(help="Paired runs of each model.")] = 10,
-    bars: Annotated[int, typer.Option(help="Runs of each fixed controller.")] = 3,
-    minutes: StudyMinutes = 20.0,
+    runs: Annotated[
+        int, typer.Option(min=1, max=MOST_RUNS, help="Paired runs of each model.")
+    ] = 10,
+    bars: Annotated[
+        int, typer.Option(min=0, max=MOST_RUNS, help="Runs of each fixed controller.")
+    ] = 3,
+    minutes: Minutes = 20.0,
     trials: Trials = 16,
     genome: Genome = "paper",
     robots: Robots = 10,
-    seed: StudySeed = 0,
+    seed: Seed = 0,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     quiet: Quiet = False,

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pandas as pd
 
 from embedded_sim import CONTROL_STEP, InputError
 from embedded_sim.onboard import GENERATION_STEPS
+from models.table_files import read_parquet
 from studies.experiment import HALVES
 
 COLUMNS = (
@@ -19,7 +21,7 @@ COLUMNS = (
 def find_generations(source: Path) -> Path | None:
     """The `generations.parquet` of a run's or a study's directory, if there is one."""
     path = source / "generations.parquet"
-    return path if source.is_dir() and path.is_file() else None
+    return path if os.path.exists(path) else None
 
 
 def read_generations(path: Path) -> pd.DataFrame:
@@ -28,11 +30,7 @@ def read_generations(path: Path) -> pd.DataFrame:
     Raises:
         InputError: not such a table, or columns are missing.
     """
-    try:
-        table = pd.read_parquet(path)
-    except (ValueError, OSError) as error:
-        said = (str(error) or type(error).__name__).splitlines()[0][:200]
-        raise InputError(str(path), said, "a table of generations") from None
+    table = read_parquet(path, "a table of generations")
     missing = [name for name in COLUMNS if name not in table]
     if missing:
         raise InputError(str(path), f"no column {missing[0]}", f"columns {', '.join(COLUMNS)}")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from embedded_sim.errors import InputError
+from models.opened import json_values, parsing
 
 FILE = "transfer.json"
 SCHEMA = 1
@@ -23,20 +23,16 @@ def read_transfer(study: Path) -> dict[str, Any]:
     """
     path = study / FILE
     expected = f"a directory of `realitygap study transfer` with its {FILE}"
-    if not path.is_file():
-        raise InputError("--transfer", study, expected)
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+    content = json_values(path, expected, field="--transfer")
+    with parsing("--transfer", expected):
         if content["schema"] != SCHEMA:
             raise InputError(f"{path}: schema", content["schema"], str(SCHEMA))
-        return {
+        found = {
             "configuration": content["configuration"],
             "alterations": list(content["alterations"]),
         }
-    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError("--transfer", path, expected) from None
+        food_table(found)  # has what is told of it
+        return found
 
 
 def food_table(transfer: dict[str, Any]) -> pd.DataFrame:

@@ -6,7 +6,7 @@ that the extension was not named from. Logs of robots known to be sound stand be
 
 from __future__ import annotations
 
-import json
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,11 +19,14 @@ from embedded_sim.model import Drive
 from models.diagnosis import file_hash
 from models.log import SAMPLES, read_log, read_table
 from models.modelfile import ModelFile
+from models.opened import json_values, parsing
+from models.schema import coerce
 from reality.effects import Hidden, parse_effects
 from studies.gain.compared import Compared
 from studies.gain.request import GainRequest
 from studies.gain.runs import HEALTHY, Given, HeldOut, Recorded, plan
 from studies.gain.truth import concerned, hidden_in, told, true_model
+from studies.settings import run_config
 
 ROBOTS = 10
 """Of a recorded run, where no log says how many there are."""
@@ -61,6 +64,7 @@ def _fresh(request: GainRequest, models: Compared, naming: Sequence[Path]) -> Ch
     true, judged = true_model(models.plain, hidden), _judged(models, hidden)
     if request.runs < 1:
         raise InputError("--runs", request.runs, "at least 1")
+    run_config(minutes=request.minutes, robots=robots, seed=request.seed)
     models.check_robots(range(robots))
     settings: dict[str, Any] = {
         "runs": request.runs,
@@ -96,12 +100,7 @@ def _of_logs(request: GainRequest, models: Compared, held: Sequence[Path]) -> Ch
 
 def _apart(logs: Sequence[Path], file: ModelFile) -> tuple[list[Path], list[Path]]:
     """The logs that the extension was not named from, and those it was."""
-    files = [path / SAMPLES if path.is_dir() else path for path in logs]
-    for path, source in zip(logs, files, strict=True):
-        if not source.is_file():
-            raise InputError(
-                "--log", path, "an existing .parquet or .csv file, or a run's directory"
-            )
+    files = [path / SAMPLES if os.path.isdir(path) else path for path in logs]
     named_from = "" if file.extension is None else file.extension.log
     if file_hash(files) == named_from:
         return [], list(logs)
@@ -112,7 +111,7 @@ def _apart(logs: Sequence[Path], file: ModelFile) -> tuple[list[Path], list[Path
 def _robots(logs: Sequence[Path]) -> int:
     """How many robots a recorded run must have for the logs' robots to exist."""
     tables = [read_table(path) for path in logs]
-    return max((int(t["robot"].max()) + 1 for t in tables if "robot" in t), default=ROBOTS)
+    return max((int(coerce(t)["robot"].max()) + 1 for t in tables if "robot" in t), default=ROBOTS)
 
 
 def _check_truth(naming: Sequence[Path], hidden: Sequence[Hidden]) -> None:
@@ -136,11 +135,10 @@ def _kind(run: Path) -> tuple[str, str] | None:
     path = run / "run.json"
     if not path.is_file():
         return None
-    try:
-        config = json.loads(path.read_text(encoding="utf-8"))["config"]
-        return str(config["controller"]), str(config["case"])
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        raise InputError(str(path), "something else", "the run.json of a run") from None
+    expected = "the run.json of a run"
+    content = json_values(path, expected)
+    with parsing(str(path), expected):
+        return str(content["config"]["controller"]), str(content["config"]["case"])
 
 
 def _notes(run: HeldOut, seen: Sequence[tuple[str, str] | None]) -> dict[str, Any]:

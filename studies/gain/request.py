@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from studies.typed import option, typed
+
 
 @dataclass(frozen=True, kw_only=True)
 class GainRequest:
@@ -23,11 +25,10 @@ class GainRequest:
     @property
     def command(self) -> str:
         """What a user would type."""
-        words = ["realitygap gain", *(f"--log {path}" for path in self.logs)]
-        words += [f"--extended {self.extended}"]
-        words += [f"--effect {one}" for one in self.effects]
-        words += [f"--healthy {path}" for path in self.healthy]
-        words += [f"--transfer {self.transfer}"] if self.transfer else []
+        words: list[object] = ["realitygap", "gain", *option("--log", self.logs)]
+        words += ["--extended", self.extended, *option("--effect", self.effects)]
+        words += option("--healthy", self.healthy)
+        words += ["--transfer", self.transfer] if self.transfer else []
         if self.effects:
-            words += [f"--runs {self.runs} --minutes {self.minutes:g} --seed {self.seed}"]
-        return " ".join(words)
+            words += ["--runs", self.runs, "--minutes", f"{self.minutes:g}", "--seed", self.seed]
+        return typed(*words)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,10 +12,15 @@ from pydantic import ValidationError
 from embedded_sim.errors import InputError
 from models.catalogue import every_cause
 from models.modelfile import ModelFile
+from models.opened import json_values, parsing
 from reality.effects import Hidden, catalogue
+from reality.effects.spec import parse, spec_of
 from studies.oracle import oracle
 
 TRUTH = "truth.json"
+EXPECTED = "the truth.json of a run"
+ANY = 10**9
+"""More robots than a run can have: which of them there are is not in the file."""
 
 
 def hidden_in(run: Path) -> tuple[Hidden, ...] | None:
@@ -25,22 +31,17 @@ def hidden_in(run: Path) -> tuple[Hidden, ...] | None:
         InputError: it is no such file.
     """
     path = run / TRUTH
-    if not path.is_file():
+    if not os.path.lexists(path):
         return None
-    try:
-        told = json.loads(path.read_text(encoding="utf-8"))["effects"]
-        if any(one["name"] not in catalogue() for one in told):
+    told = json_values(path, EXPECTED)
+    with parsing(str(path), EXPECTED):
+        effects = list(told["effects"])
+        if any(one["name"] not in catalogue() for one in effects):
             return None
-        return tuple(
-            Hidden(
-                catalogue()[one["name"]],
-                one["parameters"],
-                () if one["robots"] == "all" else tuple(one["robots"]),
-            )
-            for one in told
-        )
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        raise InputError(str(path), "something else", "the truth.json of a run") from None
+        try:
+            return tuple(parse(spec_of(one), catalogue(), ANY) for one in effects)
+        except InputError as error:
+            raise InputError(str(path), error, EXPECTED) from None
 
 
 def told(hidden: Sequence[Hidden]) -> str:
