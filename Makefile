@@ -19,7 +19,7 @@ CORE_H := $(wildcard embedded_sim/core/*.h)
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help demo test slow lint bench asan fuzz-core blind clean
+.PHONY: help demo test slow lint bench asan fuzz fuzz-core blind clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -49,6 +49,9 @@ asan: build/asan/asan_main build/asan/fuzz_main ## the C core under the address 
 
 fuzz-core: build/asan/fuzz_main ## random structures against the C core; CALLS=1000000 SEED=1
 	./$< $(or $(CALLS),1000000) $(or $(SEED),1)
+
+fuzz: $(STAMP) fuzz-core ## damaged inputs for every reader, REALITYGAP_FUZZ of each, and the C core; counts in out/fuzz
+	REALITYGAP_FUZZ=$${REALITYGAP_FUZZ:-400} $(BIN)/python -m pytest -n auto tests/fuzz
 
 blind: $(STAMP) ## the blind battery; results in out/blind
 	$(BIN)/realitygap blind --out out/blind

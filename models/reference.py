@@ -47,15 +47,18 @@ class Spread(Finite):
         return np.array(self.mean), np.array(self.sd)
 
 
-def check_sizes(terms: Mapping[str, Spread]) -> None:
-    """Refuse a term with another number of coordinates than its cause has; one of a cause that the
-    catalogue does not have is left alone.
+def check_sizes(terms: Mapping[str, Spread], *, seldom: bool = False) -> None:
+    """Refuse a term with another number of coordinates than its cause has.
+
+    One of a cause that the catalogue does not have is left alone. With `seldom` a term may have
+    been measured of robots alone or of swarms alone.
     """
     for key, spread in terms.items():
         cause = every_cause().get(key.partition("/")[0])
         size = len(spread.mean) if cause is None else len(cause.parameters)
         for name in ("mean", "sd", "swarm_mean", "swarm_sd"):
-            if (found := len(getattr(spread, name))) != size:
+            found = len(getattr(spread, name))
+            if found != size and not (seldom and found == 0):
                 raise Refused(f"terms.{key}.{name}", f"{found} numbers", f"{size} numbers")
 
 

@@ -57,7 +57,8 @@ def join(
 
 def latest(t: FloatArray, *columns: FloatArray) -> tuple[FloatArray, ...]:
     """A series with increasing time: of rows with one time the last is kept."""
-    keep = np.append(np.diff(t) > 0, True)
+    keep = np.ones(len(t), dtype=bool)
+    keep[:-1] = np.diff(t) > 0
     return (t[keep], *(column[keep] for column in columns))
 
 

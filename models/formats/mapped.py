@@ -56,7 +56,7 @@ class Source(Table):
 
     name: Annotated[str, Field(alias="from")]
     unit: str | None = None
-    scale: float = 1.0
+    scale: Annotated[float, Field(allow_inf_nan=False)] = 1.0
     """Multiplies after the unit: -1 turns a clockwise yaw round."""
 
 

@@ -94,7 +94,7 @@ class SenseReference(Finite):
         for name in self.inherent:
             if name not in INHERENT:
                 raise Refused("inherent", quoted(name), nearest(name, INHERENT))
-        check_sizes(self.terms)
+        check_sizes(self.terms, seldom=True)
         return self
 
     def base(self, believed: Belief) -> Belief:

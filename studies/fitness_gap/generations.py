@@ -5,10 +5,12 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from embedded_sim import CONTROL_STEP, InputError
 from embedded_sim.onboard import GENERATION_STEPS
+from models.opened import parsing
 from models.table_files import read_parquet
 from studies.experiment import HALVES
 
@@ -16,6 +18,10 @@ COLUMNS = (
     *("run", "robot", "generation", "t_start", "t_end", "case"),
     *("s0_third", "fitness_sim", "fitness_real"),
 )
+
+
+WHOLE = ("robot", "generation")
+NUMBERS = ("t_start", "t_end", "s0_third", "fitness_sim", "fitness_real")
 
 
 def find_generations(source: Path) -> Path | None:
@@ -28,13 +34,18 @@ def read_generations(path: Path) -> pd.DataFrame:
     """A table of generations.
 
     Raises:
-        InputError: not such a table, or columns are missing.
+        InputError: not such a table, columns are missing, or hold something else.
     """
     table = read_parquet(path, "a table of generations")
     missing = [name for name in COLUMNS if name not in table]
     if missing:
         raise InputError(str(path), f"no column {missing[0]}", f"columns {', '.join(COLUMNS)}")
-    return table
+    with parsing(str(path), f"numbers in {', '.join((*WHOLE, *NUMBERS))}"):
+        numbers = {name: pd.to_numeric(table[name]).astype(float) for name in NUMBERS}
+        if any(np.isinf(column).any() for column in numbers.values()):
+            raise InputError(str(path), "infinite values", "numbers")
+        whole = {name: table[name].astype("int64") for name in WHOLE}
+        return table.assign(run=table["run"].astype(str), **whole, **numbers)
 
 
 def whole(generations: pd.DataFrame) -> pd.Series[bool]:

@@ -10,7 +10,7 @@ from embedded_sim import Drive, InputError
 from models.extension import Extension, NamedCause, ParameterValue
 from models.log import write_table
 from models.modelfile import read_model_file
-from studies.diagnosis_files import diagnose_files, read_logs, to_toml
+from studies.diagnosis_files import diagnose_files, read_logs
 from studies.diagnosis_request import Request
 from studies.reference_files import ReferenceRequest, write_reference_of
 from tests.models.small import driven_log
@@ -98,15 +98,3 @@ def test_a_reference_by_a_model_whose_tables_are_missing_is_refused_before_anyth
     request = ReferenceRequest(logs=(log,), model=str(model))
     with pytest.raises(InputError, match="nowhere"):
         write_reference_of(request, tmp_path / "r.json")
-
-
-def test_toml_that_is_written_is_read_back() -> None:
-    import tomllib
-
-    content = {
-        "name": 'a "b"',
-        "robot": {"x": 0.1, "n": 3},
-        "lamps": {"at": {"x": 1.0}},
-        "extension": {"causes": [{"name": "c", "robots": [1, 2], "p": {"v": {"value": 1e-9}}}]},
-    }
-    assert tomllib.loads(to_toml(content)) == content

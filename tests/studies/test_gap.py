@@ -1,3 +1,4 @@
+import dataclasses
 import json
 import os
 import subprocess
@@ -8,9 +9,14 @@ import pyarrow.parquet as pq
 import pytest
 
 from embedded_sim import Drive, InputError
+from models.gap import measure_gap
+from models.log import make_log
+from models.modelfile import load_common, read_model_file
 from studies.cli import app
 from studies.fitness_gap.by_third import coevolution_gap
 from studies.fitness_gap.generations import read_generations
+from studies.gap_figures import draw_figures
+from studies.gap_report import write_gap
 from studies.provenance import file_sha256
 from tests.helpers import COMMAND, ENVIRONMENT, ROOT, realitygap
 from tests.models.small import driven_log, shared_data
@@ -271,3 +277,32 @@ def test_ten_minutes_of_ten_robots_take_little_time_and_memory(tmp_path):
         assert memory < 1e9, minutes
     assert took[10] < 20.0
     assert took[20] < 2.2 * took[10]
+
+
+@pytest.mark.parametrize("every", [2, 3])
+def test_a_log_without_a_pose_in_the_middle_of_its_windows_has_a_gap(tmp_path, every):
+    frame = driven_log(3, rows=1200, step=0.01, position_noise=5e-4, heading_noise=5e-3)
+    row = np.arange(len(frame))
+    hole = row % 2 == 1 if every == 2 else (row % 100 >= 45) & (row % 100 < 56)
+    frame.loc[hole, ["x", "y", "yaw"]] = np.nan
+    frame.to_csv(tmp_path / "log.csv", index=False)
+    model = read_model_file("create")
+    log = make_log(frame, drive=model.nominal_drive)
+    found = measure_gap(log, model, load_common("create", sensors="declared"), seed=0, name="x")
+    (tmp_path / "gap").mkdir()
+    write_gap(log, found, tmp_path / "gap", name="x")
+    assert (tmp_path / "gap" / "arena.png").exists()
+    longer = [gap for gap in found.motion if gap.horizon != "step"]
+    assert longer
+    for gap in longer:  # other rows inside the window say where it was
+        assert gap.table[["x", "y"]].notna().all(axis=None)
+
+
+def test_a_log_that_never_says_where_a_window_was_has_no_picture_of_the_arena(tmp_path):
+    log = make_log(driven_log(3, rows=300), drive=Drive())
+    model = read_model_file("create")
+    found = measure_gap(log, model, load_common("create", sensors="declared"), seed=0, name="x")
+    lost = [gap._replace(table=gap.table.assign(x=np.nan, y=np.nan)) for gap in found.motion]
+    draw_figures(log, dataclasses.replace(found, motion=lost), tmp_path)
+    assert (tmp_path / "maps.png").exists()
+    assert not (tmp_path / "arena.png").exists()

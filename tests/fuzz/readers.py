@@ -1,0 +1,337 @@
+"""Every reader of what comes from outside, each with sound files that are then damaged."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import json
+from collections.abc import Callable, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+from unittest import mock
+
+import numpy as np
+import pandas as pd
+
+from embedded_sim import Drive, InputError
+from models.formats.mapped import read_mapped
+from models.formats.mrclam import read_mrclam
+from models.formats.optiodom import TICKS_PER_TURN, read_optiodom
+from models.log import make_log, read_log
+from models.modelfile import ROBOTS, find_model_file, load_common, read_model_file
+from models.reference import DIRECTORY, read_reference
+from models.senses.reference import DIRECTORY as SENSES
+from models.senses.reference import read_sense_reference
+from models.tables import load_tables
+from reality.effects import parse_effects
+from studies.fitness_gap.by_third import coevolution_gap
+from studies.fitness_gap.generations import read_generations
+from studies.gain.food import food_lines, read_transfer
+from studies.gain.held_out import _kind
+from studies.gain.truth import hidden_in
+from tests.models.small import arena_log, driven_log
+
+DRIVE = Drive()
+ROWS = 40
+
+
+class Reader(NamedTuple):
+    """One reader."""
+
+    read: Callable[[Any], object]
+    """Of a directory, or, without files, of a text or of words."""
+    files: Callable[[], dict[str, bytes]] = dict
+    """Sound ones."""
+    damaged: tuple[str, ...] = ()
+    """Which of them are damaged."""
+    table: str = ""
+    """Of these the one that is a table, whose columns are damaged too."""
+
+
+def table() -> pd.DataFrame:
+    """A small measured log."""
+    motion = driven_log(3, rows=ROWS, position_noise=5e-4, heading_noise=5e-3)
+    return motion.assign(case="no-light", food=False, ps0=3.0)
+
+
+def generations() -> pd.DataFrame:
+    """A small table of generations."""
+    rng = np.random.default_rng(np.random.SeedSequence(1))
+    rows = 12
+    return pd.DataFrame(
+        {
+            "run": "run",
+            "robot": np.arange(rows) % 3,
+            "generation": np.arange(rows) // 3,
+            "t_start": 60.0 * (np.arange(rows) // 3),
+            "t_end": 60.0 * (np.arange(rows) // 3 + 1),
+            "case": "light-at-nest",
+            "s0_third": rng.integers(0, 3, rows),
+            "fitness_sim": rng.uniform(0, 60, rows),
+            "fitness_real": rng.uniform(0, 60, rows),
+        }
+    )
+
+
+def as_csv(frame: pd.DataFrame) -> bytes:
+    return frame.to_csv(index=False).encode("utf-8", "surrogatepass")
+
+
+def as_parquet(frame: pd.DataFrame) -> bytes:
+    out = io.BytesIO()
+    frame.to_parquet(out)
+    return out.getvalue()
+
+
+WRITERS: dict[str, Callable[[pd.DataFrame], bytes]] = {
+    ".csv": as_csv,
+    ".gz": lambda frame: gzip.compress(as_csv(frame), 1, mtime=0),
+    ".parquet": as_parquet,
+}
+"""A table as a file, by the end of its name."""
+
+MAP = """[columns]
+t = { from = "stamp", unit = "ms" }
+x = { from = "px", unit = "mm" }
+y = { from = "py", unit = "mm" }
+yaw = { from = "heading", unit = "deg", scale = -1 }
+cmd_left = { from = "l", unit = "rpm" }
+cmd_right = "r"
+robot = "id"
+food = "f"
+
+[poses]
+file = "poses.csv"
+t = { from = "when", unit = "ms" }
+"""
+
+EXTENSION = """
+[lamps]
+opposite = { x = -0.5, y = 0.0 }
+
+[extension]
+log = "00"
+command = "realitygap diagnose a.csv"
+
+[[extension.causes]]
+name = "motor_saturation"
+robots = [3, 1]
+word = "left"
+
+[extension.causes.parameters]
+limit = { value = 4.5, low = 4.4, high = 4.6, unit = "rad/s" }
+
+[[extension.causes]]
+name = "lamp_intensity"
+parameters = { scale = { value = 1.5 } }
+"""
+
+
+def _log(name: str) -> Reader:
+    return Reader(
+        lambda folder: read_log(
+            folder if name == "samples.parquet" else folder / name, drive=DRIVE
+        ),
+        lambda: {name: WRITERS[Path(name).suffix](table())},
+        (name,),
+        name,
+    )
+
+
+def _mapped() -> dict[str, bytes]:
+    frame = table()
+    told = frame.assign(
+        stamp=frame["t"] * 1e3, l=frame["cmd_left"], r=frame["cmd_right"], id=frame["robot"], f=True
+    )
+    seen = frame.assign(
+        when=frame["t"] * 1e3,
+        px=frame["x"] * 1e3,
+        py=frame["y"] * 1e3,
+        heading=np.degrees(frame["yaw"]),
+        id=frame["robot"],
+    )
+    return {
+        "map.toml": MAP.encode(),
+        "lab.csv": as_csv(told[["stamp", "l", "r", "id", "f"]]),
+        "poses.csv": as_csv(seen[["when", "px", "py", "heading", "id"]]),
+    }
+
+
+def _read_mapped(folder: Path) -> object:
+    return make_log(read_mapped(folder / "lab.csv", folder / "map.toml"), drive=DRIVE)
+
+
+def _mrclam() -> dict[str, bytes]:
+    frame = driven_log(3, robots=1, rows=ROWS)
+    left, right = frame["cmd_left"], frame["cmd_right"]
+    radius, axle = DRIVE.wheel_radius[0], DRIVE.axle
+    told = np.column_stack(
+        [frame["t"], radius * (left + right) / 2, radius * (right - left) / axle]
+    )
+    seen = frame[["t", "x", "y", "yaw"]].to_numpy()
+    texts = {"Odometry": told, "Groundtruth": seen}
+    return {
+        f"Robot1_{name}.dat": b"# remark\n"
+        + "\n".join("\t".join(f"{v:.5f}" for v in row) for row in rows).encode()
+        for name, rows in texts.items()
+    }
+
+
+def _optiodom() -> dict[str, bytes]:
+    rng = np.random.default_rng(np.random.SeedSequence(4))
+    ticks = rng.integers(0, 40, (ROWS, 2))
+    forward, turn = 40.0, 0.05  # a circle: ticks and rad in a cycle
+    own = [f"{k},{a},{b},0,0,0,{forward},{turn}" for k, (a, b) in enumerate(ticks)]
+    yaw = turn * np.arange(ROWS)
+    metre = np.pi * sum(DRIVE.wheel_radius) / TICKS_PER_TURN
+    x, y = forward * metre * np.cumsum([np.cos(yaw), np.sin(yaw)], axis=1)
+    seen = [
+        f"{0.05 * k:.2f},{x[k]:.6f},{y[k]:.6f},{yaw[k]:.6f},{ticks[k, 1]},{ticks[k, 0]}"
+        for k in range(5, ROWS)
+    ]
+    return {
+        "9.csv": ("Run:1\n" + "\n".join(own)).encode(),
+        "9_run-01.csv": "\n".join(seen).encode(),
+    }
+
+
+def _read_optiodom(folder: Path) -> object:
+    room = folder / "9"
+    room.mkdir(exist_ok=True)
+    for name in ("9.csv", "9_run-01.csv"):
+        (folder / name).replace(room / name)
+    return make_log(read_optiodom(folder, drive=DRIVE), drive=DRIVE)
+
+
+def _model(folder: Path) -> object:
+    read = read_model_file(folder / "model.toml")
+    return read, load_common(folder / "model.toml", sensors="ignored"), read.motion(3)
+
+
+def _models() -> dict[str, bytes]:
+    plain = (ROBOTS / "epuck.toml").read_text()
+    plain = plain.split("[lamps]")[0] if "[lamps]" in plain else plain
+    return {"model.toml": (plain + EXTENSION).encode()}
+
+
+@cache
+def _tables() -> dict[str, bytes]:
+    source = find_model_file()
+    model = read_model_file(source)
+    assert model.sensors is not None
+    return {"epuck.npz": (source.parent / model.sensors.tables).read_bytes()}
+
+
+def _transfer() -> dict[str, bytes]:
+    compared = {
+        **{"metric": "food", "first": "extended", "second": "minimal", "verdict": "more"},
+        **{"mean_first": 2.0, "mean_second": 1.0, "difference": 1.0, "low": 0.5, "high": 1.5},
+    }
+    one = {"label": "later", "comparisons": [compared]}
+    content = {"schema": 1, "configuration": {"runs": 2}, "alterations": [one]}
+    return {"transfer.json": json.dumps(content).encode()}
+
+
+def _truth() -> dict[str, bytes]:
+    hidden = parse_effects(("motor_lag:time_constant=0.1,robot=3", "lamp_intensity:scale=2"), 10)
+    return {"truth.json": json.dumps({"effects": [one.truth() for one in hidden]}).encode()}
+
+
+def _run() -> dict[str, bytes]:
+    return {"run.json": b'{"config": {"controller": "search", "case": "no-light", "seed": 1}}'}
+
+
+class Begun(Exception):
+    """The command took its words and began to work."""
+
+
+WORK = (
+    "studies.experiment.simulate",
+    "reality.capture.capture",
+    "studies.demo.chapters.tell",
+    "studies.diagnosis_files.diagnose_files",
+    "studies.gain.measure.measure_gain",
+    "studies.reference_files.write_reference_of",
+    "studies.paper.study.run_study",
+    "studies.blind.battery.run_battery",
+    "studies.transfer.study.run_transfer",
+    "models.gap.measure_gap",
+)
+"""What takes time, and begins only after all words were checked."""
+
+
+def _words(words: Sequence[str]) -> object:
+    """Everything of a command but its work."""
+    import importlib
+
+    import typer
+
+    from studies.cli import _UsageError, app
+
+    patches = []
+    for name in WORK:
+        module, _, function = name.rpartition(".")
+        patches.append(mock.patch.object(importlib.import_module(module), function, _begin))
+        patches[-1].start()
+    try:
+        return app(list(words), standalone_mode=False)
+    except (Begun, typer.Exit, typer.Abort):
+        return None
+    except _UsageError as error:
+        raise InputError("words", error.format_message(), "other words") from None
+    finally:
+        for patch in patches:
+            patch.stop()
+
+
+def _begin(*_: object, **__: object) -> None:
+    raise Begun
+
+
+READERS: dict[str, Reader] = {
+    "csv": _log("log.csv"),
+    "packed csv": _log("log.csv.gz"),
+    "parquet": _log("log.parquet"),
+    "run directory": _log("samples.parquet"),
+    "model": Reader(_model, _models, ("model.toml",)),
+    "sensor tables": Reader(lambda f: load_tables(f / "epuck.npz"), _tables, ("epuck.npz",)),
+    "reference": Reader(
+        lambda f: read_reference(f / "r.json"),
+        lambda: {"r.json": (DIRECTORY / "epuck.json").read_bytes()},
+        ("r.json",),
+    ),
+    "reference of the senses": Reader(
+        lambda f: read_sense_reference(f / "r.json"),
+        lambda: {"r.json": (SENSES / "epuck.json").read_bytes()},
+        ("r.json",),
+    ),
+    "map": Reader(_read_mapped, _mapped, ("map.toml",)),
+    "mapped csv": Reader(_read_mapped, _mapped, ("lab.csv", "poses.csv"), "lab.csv"),
+    "mrclam": Reader(
+        lambda f: make_log(read_mrclam(f), drive=DRIVE),
+        _mrclam,
+        ("Robot1_Odometry.dat", "Robot1_Groundtruth.dat"),
+    ),
+    "optiodom": Reader(_read_optiodom, _optiodom, ("9.csv", "9_run-01.csv")),
+    "generations": Reader(
+        lambda f: coevolution_gap(read_generations(f / "generations.parquet")),
+        lambda: {"generations.parquet": as_parquet(generations())},
+        ("generations.parquet",),
+        "generations.parquet",
+    ),
+    "truth": Reader(hidden_in, _truth, ("truth.json",)),
+    "run.json": Reader(_kind, _run, ("run.json",)),
+    "transfer": Reader(lambda f: food_lines(read_transfer(f)), _transfer, ("transfer.json",)),
+    "SPEC": Reader(lambda text: parse_effects((text,), 10)),
+    "command line": Reader(_words),
+}
+
+
+def table_of(reader: str) -> pd.DataFrame:
+    """The sound table of a reader that has one."""
+    if reader == "generations":
+        return generations()
+    if reader == "mapped csv":
+        return pd.read_csv(io.BytesIO(_mapped()["lab.csv"]))
+    return arena_log(1, robots=2, rows=ROWS).assign(nest=True) if reader == "parquet" else table()

@@ -1,0 +1,238 @@
+"""Whatever is written can be read back, whatever it is called."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from models.catalogue import every_cause
+from models.extension import Extension, NamedCause, ParameterValue
+from models.formats.mapped import SCALES, Map, Poses, Source, read_map
+from models.identify.inherent import INHERENT
+from models.modelfile import (
+    Arena,
+    Circle,
+    Lamps,
+    ModelFile,
+    Point,
+    Robot,
+    find_model_file,
+    read_model_file,
+)
+from models.opened import json_values
+from models.reference import Reference, Spread, read_reference, write_reference
+from models.schema import UNITS
+from models.senses.cause import SenseCause
+from models.senses.reference import INHERENT as SENSED
+from models.senses.reference import (
+    Health,
+    Level,
+    SenseReference,
+    read_sense_reference,
+    write_sense_reference,
+)
+from reality.effects import Hidden, catalogue, parse_effects
+from studies.diagnosis_files import write_extended
+from studies.experiment import RunConfig
+from studies.gain.truth import hidden_in
+from studies.provenance import write_json
+from studies.typed import typed
+
+often = settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+texts = st.text(max_size=20) | st.sampled_from(
+    ["\U0001f600", "\x00\x1b[31m", "\"'''\\", "\r\n", "#"]
+)
+names = st.binary(max_size=20).filter(lambda raw: b"\0" not in raw).map(os.fsdecode)
+commands = st.lists(texts | names, max_size=4).map(lambda words: typed(*words))
+finite = st.floats(allow_nan=False, allow_infinity=False)
+lengths = st.floats(1e-6, 100.0)
+places = st.floats(-100.0, 100.0)
+
+
+@st.composite
+def named_causes(draw: st.DrawFn) -> NamedCause:
+    cause = every_cause()[draw(st.sampled_from(sorted(every_cause())))]
+    some = st.lists(st.integers(0, 99), min_size=1, max_size=3, unique=True).map(tuple)
+    robots: Any = draw(st.just("all") | some)
+    if isinstance(cause, SenseCause) and cause.place:
+        robots = "all"
+    values = {}
+    for p in cause.parameters:
+        low, high = max(p.low, -1e300), min(p.high, 1e300)
+        value = draw(st.floats(low, high) | st.sampled_from([low, high, p.null]))
+        ends = sorted(draw(st.tuples(finite, finite)))
+        bounds = draw(st.sampled_from([(None, None), tuple(ends), (ends[0], None)]))
+        values[p.name] = ParameterValue(value=value, low=bounds[0], high=bounds[1], unit=p.unit)
+    word = draw(st.sampled_from(cause.variants))
+    return NamedCause(name=cause.name, robots=robots, word=word, parameters=values)
+
+
+extensions = st.builds(
+    Extension, log=texts, command=commands, causes=st.lists(named_causes(), max_size=3).map(tuple)
+)
+points = st.builds(Point, x=places, y=places)
+models = st.builds(
+    ModelFile,
+    name=texts.filter(bool),
+    robot=st.builds(
+        Robot,
+        wheel_radius=lengths,
+        axle=lengths,
+        body_radius=lengths,
+        wheel_speed_max=st.floats(1e-6, 1000.0),
+    ),
+    arena=st.none()
+    | st.builds(Arena, radius=lengths, nest=st.builds(Circle, x=places, y=places, radius=lengths)),
+    lamps=st.builds(Lamps, opposite=st.none() | points, at_nest=st.none() | points),
+    extension=st.none() | extensions,
+)
+
+
+@often
+@given(model=models, named=extensions)
+def test_an_extended_model_is_read_back(tmp_path: Path, model: ModelFile, named: Extension) -> None:
+    write_extended(model, tmp_path / "model.toml", named, tmp_path)
+    earlier = model.extension.causes if model.extension else ()
+    whole = named.model_copy(update={"causes": (*earlier, *named.causes)})
+    expected = model.model_copy(update={"extension": whole})
+    assert read_model_file(tmp_path / "extended.toml") == expected
+
+
+@often
+@given(name=texts.filter(bool), named=extensions)
+def test_an_extended_model_keeps_its_sensors(tmp_path: Path, name: str, named: Extension) -> None:
+    source = find_model_file()
+    model = read_model_file(source).model_copy(update={"name": name})
+    write_extended(model, source, named, tmp_path)
+    back = read_model_file(tmp_path / "extended.toml")
+    assert back.sensors is not None
+    assert (tmp_path / back.sensors.tables).is_file()
+    assert back.extension == named
+    assert back.name == name
+
+
+@st.composite
+def sources(draw: st.DrawFn, column: str) -> Source | str:
+    units = [None, *SCALES.get(UNITS[column], {})]
+    if column == "cmd_omega":
+        units.remove("steps/s")
+    told = {"from": draw(texts), "unit": draw(st.sampled_from(units)), "scale": draw(finite)}
+    return draw(st.just(Source.model_validate(told)) | texts)
+
+
+@st.composite
+def maps(draw: st.DrawFn) -> Map:
+    chosen = draw(st.lists(st.sampled_from(sorted(UNITS)), unique=True, max_size=6))
+    paths = st.text(st.characters(codec="utf-8"), max_size=20).map(Path)
+    poses = st.builds(Poses, file=paths, t=sources("t"))
+    columns = {name: draw(sources(name)) for name in chosen}
+    return Map(columns=columns, poses=draw(st.none() | poses))
+
+
+@often
+@given(chosen=maps())
+def test_a_map_is_read_back(tmp_path: Path, chosen: Map) -> None:
+    path = tmp_path / "map.toml"
+    content = chosen.model_dump(mode="json", by_alias=True, exclude_none=True)
+    path.write_text(tomli_w.dumps(content), encoding="utf-8")
+    assert read_map(path) == chosen
+
+
+def spreads(kind: type[Spread], size: int) -> st.SearchStrategy[Spread]:
+    number = st.lists(finite, min_size=size, max_size=size).map(tuple)
+    fields = dict.fromkeys(("mean", "sd", "swarm_mean", "swarm_sd"), number)
+    more = {"gain": finite, "swarm_gain": finite} if kind is Health else {}
+    return st.builds(kind, **fields, farthest=finite, swarm_farthest=finite, **more)
+
+
+def terms(kind: type[Spread]) -> st.SearchStrategy[dict[str, Spread]]:
+    known = {n: spreads(kind, len(c.parameters)) for n, c in every_cause().items()}
+    return st.fixed_dictionaries({}, optional=dict(list(known.items())[:5]))
+
+
+def inherent(size: int) -> st.SearchStrategy[tuple[float, ...]]:
+    return st.lists(finite, min_size=size, max_size=size).map(tuple)
+
+
+@often
+@given(
+    reference=st.builds(
+        Reference,
+        model=texts,
+        wheel_radius=finite,
+        axle=finite,
+        robots=st.integers(0, 10**6),
+        swarms=st.integers(0, 10**6),
+        inherent=inherent(len(INHERENT.parameters)),
+        terms=terms(Spread),
+        command=commands,
+    )
+)
+def test_a_reference_is_read_back(tmp_path: Path, reference: Reference) -> None:
+    write_reference(reference, tmp_path / "r.json")
+    assert read_reference(tmp_path / "r.json") == reference
+
+
+@often
+@given(
+    reference=st.builds(
+        SenseReference,
+        model=texts,
+        robots=st.integers(0, 10**6),
+        swarms=st.integers(0, 10**6),
+        inherent=st.fixed_dictionaries({}, optional=dict.fromkeys(SENSED, finite)),
+        terms=terms(Health),
+        noise=st.builds(Level, mean=finite, sd=finite),
+        command=commands,
+    )
+)
+def test_a_reference_of_the_senses_is_read_back(tmp_path: Path, reference: SenseReference) -> None:
+    write_sense_reference(reference, tmp_path / "r.json")
+    assert read_sense_reference(tmp_path / "r.json") == reference
+
+
+@often
+@given(
+    config=st.builds(
+        RunConfig,
+        minutes=st.floats(1e-6, 1440.0),
+        seed=st.integers(0, 2**63 - 1),
+        robots=st.integers(1, 100),
+        model=st.none() | texts,
+        samples=st.booleans(),
+    )
+)
+def test_a_runs_configuration_is_read_back(tmp_path: Path, config: RunConfig) -> None:
+    write_json(tmp_path / "run.json", {"config": config.model_dump()})
+    back = json_values(tmp_path / "run.json", "a run")
+    assert RunConfig.model_validate(back["config"]) == config
+
+
+@st.composite
+def specs(draw: st.DrawFn) -> str:
+    effect = catalogue()[draw(st.sampled_from(sorted(catalogue())))]
+    items = []
+    for key, p in effect.parameters.items():
+        if p.words:
+            items.append(f"{key}={draw(st.sampled_from(p.words))}")
+        else:
+            low, high = max(p.low, -1e300), min(p.high, 1e300)
+            items.append(f"{key}={draw(st.floats(low, high))!r}")
+    if effect.per_robot:
+        items += [f"robot={k}" for k in draw(st.lists(st.integers(0, 9), max_size=3))]
+    return f"{effect.name}:" + ",".join(items)
+
+
+@often
+@given(given=st.lists(specs(), max_size=3))
+def test_what_was_hidden_is_read_back(tmp_path: Path, given: list[str]) -> None:
+    hidden: tuple[Hidden, ...] = parse_effects(given, 10)
+    write_json(tmp_path / "truth.json", {"effects": [one.truth() for one in hidden]})
+    assert hidden_in(tmp_path) == hidden

@@ -1,0 +1,56 @@
+import os
+import shlex
+import subprocess
+from pathlib import Path
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from studies.diagnosis_request import Request
+from studies.gain.request import GainRequest
+from studies.reference_files import ReferenceRequest
+from studies.typed import typed
+
+names = st.binary(min_size=1, max_size=20).filter(lambda raw: b"\0" not in raw).map(os.fsdecode)
+
+
+def as_bash_takes(line):
+    """The words that a shell makes of a line."""
+    script = f"printf '%s\\0' {line}"
+    shell = ["bash", "-c", script]
+    done = subprocess.run(shell, env={"LC_ALL": "C.UTF-8"}, capture_output=True, check=True)
+    return [os.fsdecode(word) for word in done.stdout.split(b"\0")[:-1]]
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    st.lists(names | st.text(st.characters(blacklist_characters="\0", codec="utf-8")), min_size=1)
+)
+def test_a_shell_takes_typed_words_as_they_were(words):
+    line = typed(*words)
+    assert line.isprintable()
+    assert as_bash_takes(line) == words
+
+
+def test_a_path_that_begins_with_a_dash_is_no_option():
+    assert typed("gap", Path("-a.csv")) == "gap ./-a.csv"
+
+
+def test_commands_kept_in_files_are_quoted():
+    odd = Path("two words;rm -rf $HOME\n.csv")
+    requests = (
+        Request(logs=(odd,), model="my robot.toml", reference="a b.json", without=("x y",)),
+        GainRequest(logs=(odd,), extended="my robot.toml", healthy=(odd,)),
+        ReferenceRequest(logs=(odd,), model="my robot.toml"),
+    )
+    for request in requests:
+        words = as_bash_takes(request.command)
+        assert str(odd) in words
+        assert "my robot.toml" in words
+
+
+def test_plain_commands_look_as_before():
+    request = Request(logs=(Path("out/a"),), model="create", seed=3, without=("motor_lag",))
+    expected = "realitygap diagnose out/a --model create --seed 3 --without motor_lag"
+    assert request.command == expected
+    assert shlex.split(request.command) == expected.split()
