@@ -40,6 +40,8 @@ def read_generations(path: Path) -> pd.DataFrame:
     missing = [name for name in COLUMNS if name not in table]
     if missing:
         raise InputError(str(path), f"no column {missing[0]}", f"columns {', '.join(COLUMNS)}")
+    if table["run"].isna().any():
+        raise InputError(str(path), "rows without a run", "a run in each row")
     with parsing(str(path), f"numbers in {', '.join((*WHOLE, *NUMBERS))}"):
         numbers = {name: pd.to_numeric(table[name]).astype(float) for name in NUMBERS}
         if any(np.isinf(column).any() for column in numbers.values()):

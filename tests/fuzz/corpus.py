@@ -178,6 +178,7 @@ LOGS: dict[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {
     "lists in a sensor": ("parquet", lambda f: f.assign(ps0=[[1.0]] * len(f))),
     "records in a robot": ("parquet", lambda f: f.assign(robot=[{"a": 1}] * len(f))),
     "infinite generations": ("generations", lambda f: f.assign(fitness_sim=np.inf)),
+    "generations without a run": ("generations", lambda f: f.assign(run=None)),
     "generations of text": ("generations", lambda f: f.assign(t_end="x")),
     "generations without a robot": ("generations", lambda f: f.assign(robot=np.nan)),
 }

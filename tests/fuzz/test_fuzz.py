@@ -10,11 +10,16 @@ import os
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+import typer.main
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from reality.effects import catalogue
+from reality.effects.effect import Parameter
+from studies.cli import app
 from tests.fuzz.child import Child
 from tests.fuzz.corpus import CORPUS, LOGS, SLOW, SPECS, WORDS
 from tests.fuzz.damage import damaged, edits
@@ -125,22 +130,26 @@ def test_a_packed_text_may_be_damaged_before_it_was_packed(
     holds()
 
 
+def _sound(parameter: Parameter) -> str:
+    """A value that a key may have."""
+    if parameter.words:
+        return parameter.words[0]
+    return f"{min(max(1.0, parameter.low), parameter.high):g}"
+
+
 numbers = st.one_of(
     st.integers().map(str),
     st.floats().map(str),
     st.sampled_from(["1e999", "-1", "9" * 5000, "1" + "0" * 400, "nan", "0x10", "1_000", "", "٣"]),
 )
-keys = st.sampled_from(
-    ["robot", "ratio", "time_constant", "scale", "wheel", "sensor", "x", "", "limit"]
+SOUND = [
+    f"{name}:{','.join(f'{key}={_sound(one)}' for key, one in effect.parameters.items())}"
+    + (",robot=3" if effect.per_robot else "")
+    for name, effect in catalogue().items()
+]
+specs = st.tuples(st.sampled_from(SOUND), st.just([]) | edits).map(
+    lambda given: os.fsdecode(damaged(given[0].encode(), given[1]))
 )
-items = st.tuples(keys, st.sampled_from(["=", "", "=="]), numbers | st.text(max_size=5)).map(
-    "".join
-)
-specs = st.tuples(
-    st.sampled_from(["motor_lag", "lamp_intensity", "ir_gain", "motor_saturation", "tilt", ""]),
-    st.sampled_from([":", "", "::"]),
-    st.lists(items, max_size=4).map(",".join),
-).map("".join)
 
 
 def test_a_spec_is_read_or_refused(child: Child, count: Counter[str]) -> None:
@@ -152,88 +161,37 @@ def test_a_spec_is_read_or_refused(child: Child, count: Counter[str]) -> None:
     holds()
 
 
-commands = st.sampled_from(
-    [
-        *(
-            [one]
-            for one in [
-                "run",
-                "capture",
-                "demo",
-                "diagnose",
-                "gap",
-                "gain",
-                "reference",
-                "blind",
-                "effects",
-            ]
-        ),
-        *(["study", one] for one in ("paper", "readings", "transfer")),
-        *(["import", one] for one in ("csv", "optiodom", "mrclam", "nix")),
-    ]
-)
 paths = st.sampled_from(
-    [
-        "",
-        ".",
-        "/",
-        "nowhere",
-        "/dev/null",
-        "/dev/zero",
-        "a\nb\x1b[31m",
-        "\udcff",
-        "x" * 5000,
-        "epuck",
-    ]
+    ("", ".", "/", "nowhere", "/dev/zero", "a\nb\x1b[31m", "\udcff", "x" * 5000, "epuck", "-")
 )
-options = st.sampled_from(
-    [
-        "--seed",
-        "--minutes",
-        "--robots",
-        "--runs",
-        "--jobs",
-        "--trials",
-        "--bars",
-        "--crowd",
-        "--seconds",
-        "--only",
-        "--kind",
-        "--case",
-        "--controller",
-        "--reading",
-        "--genome",
-        "--effect",
-        "--model",
-        "--map",
-        "--reference",
-        "--without",
-        "--log",
-        "--extended",
-        "--healthy",
-        "--transfer",
-        "--scheduler",
-        "--quiet",
-        "--force",
-        "--help",
-        "--out",
-        "--no-samples",
-        "--nix",
-        "-x",
-    ]
-)
-words = st.tuples(
-    commands,
-    st.lists(paths, max_size=2),
-    st.lists(st.tuples(options, numbers | paths | specs), max_size=4),
-).map(lambda w: [*w[0], *w[1], *(word for pair in w[2] for word in pair)])
+
+
+def _leaves(command: Any, *path: str) -> Iterator[tuple[tuple[str, ...], list[str]]]:
+    """The commands below one, each with its options."""
+    for name, one in getattr(command, "commands", {}).items():
+        yield from _leaves(one, *path, name)
+    if path and not hasattr(command, "commands"):
+        yield path, [option for one in command.params for option in one.opts if option[0] == "-"]
+
+
+COMMANDS = list(_leaves(typer.main.get_command(app)))
+
+
+@st.composite
+def words(draw: st.DrawFn) -> list[str]:
+    """A command with words that may suit it."""
+    command, own = draw(st.sampled_from(COMMANDS))
+    given = [*command, *draw(st.lists(paths, max_size=2))]
+    for option in draw(st.lists(st.sampled_from([*own, "--help", "--nix"]), max_size=4)):
+        given += [option, *draw(st.lists(numbers | paths | specs, min_size=0, max_size=1))]
+    return given
 
 
 def test_words_on_the_command_line_are_taken_or_refused(
     child: Child, count: Counter[str], tmp_path: Path
 ) -> None:
     @budget
-    @given(given=words)
+    @given(given=words())
     def holds(given: list[str]) -> None:
         whole = [*given, "--out", str(tmp_path / "nothing" / "x.parquet")]
         check(child, "command line", whole, count)
