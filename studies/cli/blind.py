@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from studies.cli import app
-from studies.cli.options import Jobs, Quiet, Scheduler, Seed
+from studies.cli.options import Jobs, Quiet, Scheduler, Seed, within
 from studies.cli.resume import resumable
 from studies.cli.say import say
 
@@ -17,7 +17,8 @@ from studies.cli.say import say
 def blind(
     out: Annotated[Path, typer.Option(help="The battery's directory; an unfinished one resumes.")],
     trials: Annotated[
-        int, typer.Option(min=1, max=100_000, help="Runs; a larger number extends a battery.")
+        int,
+        typer.Option(callback=within(1, 100_000), help="Runs; a larger number extends a battery."),
     ] = 200,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
@@ -30,7 +31,10 @@ def blind(
         bool, typer.Option("--at-bars", help="Every effect exactly at its bar, in 120 s.")
     ] = False,
     crowd: Annotated[
-        int, typer.Option(min=1, help="Robots of a run that each have an effect of their own.")
+        int,
+        typer.Option(
+            callback=within(1, 100), help="Robots of a run that each have an effect of their own."
+        ),
     ] = 1,
     kind: Annotated[
         list[str] | None,

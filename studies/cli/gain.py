@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from studies.cli import app
-from studies.cli.options import MOST_RUNS, Force, Jobs, Minutes, Out, Quiet, Seed
+from studies.cli.options import MOST_RUNS, Force, Jobs, Minutes, Out, Quiet, Seed, within
 from studies.cli.say import say
 
 EXAMPLE = (
@@ -37,7 +37,9 @@ def gain(
         Path | None,
         typer.Option(help="Directory of a finished `study transfer`: the gain in food, beside."),
     ] = None,
-    runs: Annotated[int, typer.Option(min=1, max=MOST_RUNS, help="Fresh runs to record.")] = 6,
+    runs: Annotated[
+        int, typer.Option(callback=within(1, MOST_RUNS), help="Fresh runs to record.")
+    ] = 6,
     minutes: Minutes = 2.0,
     seed: Seed = 0,
     jobs: Jobs = None,

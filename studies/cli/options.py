@@ -2,10 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from embedded_sim.errors import InputError
+
+
+def within(low: int, high: int) -> Callable[[typer.CallbackParam, int | None], int | None]:
+    """A check that an option is from `low` to `high`, both taken."""
+
+    def check(param: typer.CallbackParam, value: int | None) -> int | None:
+        if value is not None and not low <= value <= high:
+            expected = f"a whole number from {low} to {high}"
+            raise InputError(param.opts[0], value, expected)
+        return value
+
+    return check
+
 
 Out = Annotated[Path, typer.Option(help="Where to write; must not exist yet.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace what is there.")]
@@ -25,11 +41,13 @@ MOST_JOBS = 1024
 MOST_RUNS = 10_000
 """Runs that a command records; our choice: a study of them takes days."""
 
-Robots = Annotated[int, typer.Option(min=1, max=100, help="How many e-pucks in a run.")]
-Trials = Annotated[int, typer.Option(min=1, max=1000, help="Embedded trials per genome.")]
+Robots = Annotated[int, typer.Option(callback=within(1, 100), help="How many e-pucks in a run.")]
+Trials = Annotated[int, typer.Option(callback=within(1, 1000), help="Embedded trials per genome.")]
 Seed = Annotated[
     int,
-    typer.Option("--seed", min=0, max=MOST_SEED, help="Everything random follows from it."),
+    typer.Option(
+        "--seed", callback=within(0, MOST_SEED), help="Everything random follows from it."
+    ),
 ]
 Minutes = Annotated[float, typer.Option("--minutes", help="Simulated minutes of each run.")]
 """Its bounds are those of `RunConfig`, which NaN does not pass."""
@@ -40,7 +58,7 @@ Genome = Annotated[
     ),
 ]
 Jobs = Annotated[
-    int | None, typer.Option(min=1, max=MOST_JOBS, help="Processes; all cores if absent.")
+    int | None, typer.Option(callback=within(1, MOST_JOBS), help="Processes; all cores if absent.")
 ]
 Scheduler = Annotated[
     str | None,

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from studies.cli import app
-from studies.cli.options import MOST_RUNS, Force, Jobs, Model, Out, Quiet, Seed
+from studies.cli.options import MOST_RUNS, Force, Jobs, Model, Out, Quiet, Seed, within
 
 EXAMPLE = """Example: realitygap reference healthy1.parquet healthy2.parquet --out lab.json"""
 
@@ -23,7 +23,9 @@ def reference(
     model: Model = None,
     runs: Annotated[
         int,
-        typer.Option(min=0, max=MOST_RUNS, help="Healthy runs of the nominal world to record."),
+        typer.Option(
+            callback=within(0, MOST_RUNS), help="Healthy runs of the nominal world to record."
+        ),
     ] = 0,
     manoeuvres: Annotated[
         bool, typer.Option("--manoeuvres", help="Record the manoeuvres of probe:NAME in turn.")

@@ -19,6 +19,7 @@ from studies.cli.options import (
     Scheduler,
     Seed,
     StudyOut,
+    within,
 )
 from studies.cli.resume import resumable
 
@@ -35,7 +36,8 @@ app.add_typer(study)
 def paper(
     out: StudyOut,
     runs: Annotated[
-        int, typer.Option(min=1, max=MOST_RUNS, help="Runs of each of the eight conditions.")
+        int,
+        typer.Option(callback=within(1, MOST_RUNS), help="Runs of each of the eight conditions."),
     ] = 10,
     minutes: Minutes = 60.0,
     robots: Robots = 10,
@@ -58,7 +60,7 @@ def paper(
 def readings(
     out: StudyOut,
     runs: Annotated[
-        int, typer.Option(min=1, max=MOST_RUNS, help="Runs of each condition and variant.")
+        int, typer.Option(callback=within(1, MOST_RUNS), help="Runs of each condition and variant.")
     ] = 4,
     minutes: Minutes = 30.0,
     robots: Robots = 10,

@@ -18,6 +18,7 @@ from studies.cli.options import (
     Seed,
     StudyOut,
     Trials,
+    within,
 )
 from studies.cli.resume import resumable
 from studies.cli.study import study
@@ -42,10 +43,10 @@ def transfer(
         typer.Option(help="Extended model on board; diagnosed from a recorded log if absent."),
     ] = None,
     runs: Annotated[
-        int, typer.Option(min=1, max=MOST_RUNS, help="Paired runs of each model.")
+        int, typer.Option(callback=within(1, MOST_RUNS), help="Paired runs of each model.")
     ] = 10,
     bars: Annotated[
-        int, typer.Option(min=0, max=MOST_RUNS, help="Runs of each fixed controller.")
+        int, typer.Option(callback=within(0, MOST_RUNS), help="Runs of each fixed controller.")
     ] = 3,
     minutes: Minutes = 20.0,
     trials: Trials = 16,

@@ -17,10 +17,11 @@ import pandas as pd
 from embedded_sim.errors import InputError
 from embedded_sim.model import Drive
 from models.diagnosis import file_hash
-from models.log import SAMPLES, read_log, read_table
+from models.log import EXPECTED, SAMPLES, read_log, read_table
 from models.modelfile import ModelFile
-from models.opened import json_values, parsing
+from models.opened import json_values, opened, parsing
 from models.schema import coerce
+from models.table_files import MOST_BYTES
 from reality.effects import Hidden, parse_effects
 from studies.gain.compared import Compared
 from studies.gain.request import GainRequest
@@ -101,6 +102,9 @@ def _of_logs(request: GainRequest, models: Compared, held: Sequence[Path]) -> Ch
 def _apart(logs: Sequence[Path], file: ModelFile) -> tuple[list[Path], list[Path]]:
     """The logs that the extension was not named from, and those it was."""
     files = [path / SAMPLES if os.path.isdir(path) else path for path in logs]
+    for source in files:
+        with opened(source, EXPECTED, most=MOST_BYTES, field="--log"):
+            pass
     named_from = "" if file.extension is None else file.extension.log
     if file_hash(files) == named_from:
         return [], list(logs)
