@@ -48,7 +48,7 @@ def read_json(kind: type[Content], path: Path, what: str, *, field: str | None =
     Raises:
         InputError: it cannot be read, or as `checked`.
     """
-    return checked(kind, json_values(path, what, field=field), path, what)
+    return checked(kind, json_values(path, f"{what} (JSON)", field=field), path, what)
 
 
 def write_json(content: BaseModel, path: Path) -> None:

@@ -170,7 +170,7 @@ def read_reference(path: Path) -> Reference:
     Raises:
         InputError: there is no such file, or it is not a reference.
     """
-    what = "a file written by `realitygap reference`, or none"
+    what = "a healthy reference of `realitygap reference`, or none"
     return read_json(Reference, path, what, field="--reference")
 
 
