@@ -43,18 +43,19 @@ class Bred:
     """The controller's own constants; None: the swarm's."""
 
 
-@dataclass(frozen=True)
 class Fixed:
-    """No evolution: every robot runs the same genome for ever."""
+    """No evolution: every robot runs its genome for ever."""
 
-    genome: tuple[float, float]
+    def __init__(self, *genomes: tuple[float, float]) -> None:
+        """Deal genomes, (G0, G1) each, to the robots by turns; one alone is every robot's."""
+        self._genomes = genomes
 
     def start(self, robot: int) -> Bred:
-        """The fixed controller."""
-        return Bred(self.genome, float("nan"), float("nan"))
+        """The robot's fixed controller."""
+        return Bred(self._genomes[robot % len(self._genomes)], float("nan"), float("nan"))
 
     def breed(self, robot: int, pairs: FloatArray) -> Bred:
-        """The fixed controller."""
+        """The robot's fixed controller."""
         return self.start(robot)
 
 

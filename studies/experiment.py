@@ -57,7 +57,14 @@ HALVES: dict[Case, tuple[int, int]] = {
 
 GenomeName = Literal["paper", "continuous"]
 
-Controller = Literal["coevolution", "search", "positive-phototaxis", "negative-phototaxis"]
+Controller = Literal[
+    "coevolution",
+    "search",
+    "positive-phototaxis",
+    "negative-phototaxis",
+    "to-and-fro",
+    "half-to-and-fro",
+]
 
 
 def _known_probe(controller: str) -> str:
@@ -73,6 +80,14 @@ FIXED_GENOMES: dict[str, tuple[float, float]] = {
     "negative-phototaxis": (0.1, 0.5),
 }
 """The fixed optimal controllers (III-I): phototaxis while carrying food, search otherwise."""
+
+FIXED_SWARMS: dict[str, tuple[tuple[float, float], ...]] = {
+    **{name: (genome,) for name, genome in FIXED_GENOMES.items()},
+    "to-and-fro": ((0.9, 0.1),),
+    "half-to-and-fro": (FIXED_GENOMES["positive-phototaxis"], (0.9, 0.1)),
+}
+"""Every fixed controller: genomes dealt to the robots by turns. `to-and-fro` approaches the light
+with food and leaves it without; of `half-to-and-fro` every second robot does."""
 
 Minutes = Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)]
 """Simulated; at most a day."""
@@ -201,8 +216,8 @@ def _breeder(
     behaviour: Behaviour,
     seed: np.random.SeedSequence,
 ) -> Breeder:
-    if config.controller in FIXED_GENOMES:
-        return Fixed(FIXED_GENOMES[config.controller])
+    if config.controller in FIXED_SWARMS:
+        return Fixed(*FIXED_SWARMS[config.controller])
     if config.lamp_range is not None:  # a lab would capture its tables from this lamp
         brighter = _lamp_power(config) / k.LAMP_POWER
         models = [replace(model, lamp_gain=model.lamp_gain * brighter) for model in models]
@@ -220,7 +235,7 @@ def _breeder(
 
 def _genome(config: RunConfig) -> Genome:
     """What a robot's controllers are made of."""
-    return PAPER if config.controller in FIXED_GENOMES else GENOMES[config.genome]
+    return PAPER if config.controller in FIXED_SWARMS else GENOMES[config.genome]
 
 
 def _lamp_power(config: RunConfig) -> float:

@@ -26,8 +26,8 @@ def run(
     controller: Annotated[
         str,
         typer.Option(
-            help="coevolution, search, positive-phototaxis, negative-phototaxis, or a manoeuvre, "
-            "probe:NAME: " + ", ".join(MENU) + "."
+            help="coevolution, search, positive-phototaxis, negative-phototaxis, to-and-fro, "
+            "half-to-and-fro, or a manoeuvre, probe:NAME: " + ", ".join(MENU) + "."
         ),
     ] = "coevolution",
     minutes: Minutes = 60.0,

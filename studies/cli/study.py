@@ -37,7 +37,7 @@ def paper(
     out: StudyOut,
     runs: Annotated[
         int,
-        typer.Option(callback=within(1, MOST_RUNS), help="Runs of each of the eight conditions."),
+        typer.Option(callback=within(1, MOST_RUNS), help="Runs of each of the ten conditions."),
     ] = 10,
     minutes: Minutes = 60.0,
     robots: Robots = 10,
@@ -49,8 +49,10 @@ def paper(
 ) -> None:
     """Repeat section IV of the paper: eight conditions, figures 6 to 8, and every claim tested.
 
-    Writes study.parquet (a row per run), generations.parquet, claims.csv, figures/ and report.html.
-    Stopped or killed, the same command goes on with the runs that are missing.
+    Two conditions more try half of the robots with either controller that evolves at the nest.
+    Writes study.parquet (a row per run), generations.parquet, claims.csv, mixture.csv, claims.md,
+    figures/ and report.html. Stopped or killed, the same command goes on with the runs that are
+    missing.
     """
     asked = {"runs": runs, "minutes": minutes, "robots": robots, "seed": seed, "model": model}
     _study("paper", asked, out, jobs, scheduler, quiet)
@@ -94,4 +96,7 @@ def _study(
 
     config = study_config(study=name, **asked)
     with resumable():
-        run_study(config, out, Workers.chosen(jobs, scheduler), quiet=quiet)
+        found = run_study(config, out, Workers.chosen(jobs, scheduler), quiet=quiet)
+    if not quiet:
+        typer.echo(found)
+        typer.echo(f"{out / 'report.html'}: written")

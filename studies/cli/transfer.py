@@ -81,4 +81,7 @@ def transfer(
         extended=None if extended is None else str(extended),
     )
     with resumable():
-        run_transfer(config, out, Workers.chosen(jobs, scheduler), quiet=quiet)
+        found = run_transfer(config, out, Workers.chosen(jobs, scheduler), quiet=quiet)
+    if not quiet:
+        typer.echo(found)
+        typer.echo(f"{out / 'report.html'}: written")

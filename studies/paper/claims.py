@@ -246,14 +246,14 @@ GENE = (
         "IV-C",
         "Opposite → at nest converges on the light opposite before it moves",
         "share of robots in the second quarter, above one half; Wilcoxon",
-        share("opposite-to-at-nest", ("robots_opposite_q2",), MOST),
+        share(("opposite", "opposite-to-at-nest"), ("robots_opposite_q2",), MOST),
     ),
     Claim(
         "first-half-nest",
         "IV-C",
         "At nest → opposite converges on the light at nest before it moves",
         "share of robots in the second quarter, above one half; Wilcoxon",
-        share("at-nest-to-opposite", ("robots_at_nest_q2",), MOST),
+        share(("at-nest", "at-nest-to-opposite"), ("robots_at_nest_q2",), MOST),
     ),
     *(
         Claim(

@@ -30,6 +30,8 @@ class Condition:
     """Which reading of the paper, or which lamp."""
     changes: dict[str, Any] = field(default_factory=dict, hash=False)
     """Fields of `RunConfig` that the variant sets."""
+    paired_with: str = ""
+    """Key of the condition whose runs have the same seeds; empty: seeds of its own."""
 
     @property
     def key(self) -> str:
@@ -49,8 +51,23 @@ PAPER = (
 )
 """The eight conditions in the order of the paper's Fig. 6 (sections III-I, IV-A)."""
 
+MIXTURE = (
+    Condition(
+        *("fixed-to-and-fro", "Fixed to and fro", "light-at-nest", "to-and-fro"),
+        paired_with="fixed-positive",
+    ),
+    Condition(
+        *("fixed-mixture", "Fixed mixture", "light-at-nest", "half-to-and-fro"),
+        paired_with="fixed-positive",
+    ),
+)
+"""With light at the nest co-evolution leaves two controllers in the swarm, that of `fixed-positive`
+and `to-and-fro`: the second alone, and half of each, on the seeds of the first alone. Not the
+paper's: they ask why co-evolution collects more than the fixed positive controller."""
+
+STUDIED = (*PAPER, *MIXTURE)
 COEVOLVED = PAPER[:5]
-LABELS = {condition.name: condition.label for condition in PAPER}
+LABELS = {condition.name: condition.label for condition in STUDIED}
 
 
 class StudyConfig(BaseModel):
@@ -117,7 +134,7 @@ def plan(study: StudyConfig, conditions: tuple[Condition, ...]) -> tuple[Planned
                 controller=condition.controller,
                 minutes=study.minutes,
                 robots=study.robots,
-                seed=run_seed(study.seed, condition.key, index),
+                seed=run_seed(study.seed, condition.paired_with or condition.key, index),
                 samples=False,
                 model=study.model,
                 **condition.changes,

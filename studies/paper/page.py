@@ -1,9 +1,13 @@
-"""One self-contained HTML page: text, figures as inline images, tables; nothing is fetched."""
+"""One self-contained HTML page: text, figures as inline images, tables; nothing is fetched.
+
+The same sections as Markdown are for a document that holds them.
+"""
 
 from __future__ import annotations
 
 import base64
 import math
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,6 +16,8 @@ import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 VERDICTS = ("reproduced", "not reproduced", "undecided")
+WIDTH = 110
+"""Characters of a line of Markdown; our choice."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +77,29 @@ def write_page(path: Path, title: str, lead: str, sections: Sequence[Section]) -
     )
     page = environment.get_template("report.html.j2")
     path.write_text(page.render(title=title, lead=lead, sections=sections), encoding="utf-8")
+
+
+def markdown(sections: Sequence[Section]) -> str:
+    """Sections without their figures as Markdown, the same text and tables as on the page."""
+    parts = []
+    for section in sections:
+        parts.append(f"## {section.title}")
+        parts += [_filled(text) for text in section.texts]
+        parts += [_markdown_table(table) for table in section.tables]
+    return "\n\n".join(parts) + "\n"
+
+
+def _filled(text: str) -> str:
+    return textwrap.fill(text, WIDTH, break_long_words=False, break_on_hyphens=False)
+
+
+def _markdown_table(table: Table) -> str:
+    rows = [
+        table.columns,
+        ["---"] * len(table.columns),
+        *([cell.text.replace("|", "\\|") for cell in row] for row in table.rows),
+    ]
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
 def number(value: float) -> str:

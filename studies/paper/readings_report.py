@@ -53,7 +53,7 @@ def write_readings(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.Dat
     lead = (
         f"{len(directory.runs)} runs of {study.minutes:g} minutes with {study.robots} robots, "
         f"seed {study.seed}: which claims of section IV depend on how its text is read, which on "
-        "the lamp, and which hold without any selection."
+        f"the lamp, and which hold without any selection. {dependence_line(dependence)}"
     )
     with whole_file(out / "report.html", force=True) as part:
         write_page(
@@ -61,13 +61,38 @@ def write_readings(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.Dat
             "Readings of the paper",
             lead,
             [
-                Section("What the claims depend on", TEXT, tables=[Table.of(dependence)]),
+                Section(
+                    "What the claims depend on",
+                    (*TEXT, few_runs(study)),
+                    tables=[Table.of(dependence)],
+                ),
                 Section("Claims by variant", figures=drawn[:1]),
                 Section("Food by variant", figures=drawn[1:]),
                 *settings_sections(directory),
             ],
         )
     return dependence
+
+
+def dependence_line(dependence: pd.DataFrame) -> str:
+    """What came out, in one line."""
+    reading, lamp = (
+        (dependence[f"on the {what}"] == "depends").sum() for what in ("reading", "lamp")
+    )
+    nothing = (dependence["says"] == "proves nothing").sum()
+    return (
+        f"Of {len(dependence)} claims {reading} depend on the reading, {lamp} on the lamp, and "
+        f"{nothing} hold without selection too."
+    )
+
+
+def few_runs(study: StudyConfig) -> str:
+    """What the judgement of a variant rests on."""
+    return (
+        f"Every variant is judged by {study.runs} runs of {study.minutes:g} minutes and without "
+        "correction for the number of claims. Some of what holds or fails here does so by chance, "
+        "and what is open may depend as well."
+    )
 
 
 def _claims(weighed: pd.DataFrame) -> Figure:

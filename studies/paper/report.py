@@ -11,10 +11,12 @@ from matplotlib.figure import Figure
 from studies.fitness_gap.anew import PARTS, TRIALS, decompose, fresh_fitness_of
 from studies.output import whole_file
 from studies.paper import figures, gap_figures
+from studies.paper.claims_page import outcome, result_sections
 from studies.paper.conditions import PlannedRun, StudyConfig
 from studies.paper.directory import StudyDirectory
 from studies.paper.gap_tables import controllers_table, gap_table
-from studies.paper.page import Picture, Section, Table, number, write_page
+from studies.paper.mixture import evolved_table, mixture_table
+from studies.paper.page import Picture, Section, Table, markdown, write_page
 from studies.paper.tables import StudyTables, collect
 from studies.paper.verdicts import weigh_claims
 
@@ -39,13 +41,23 @@ def write_report(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.DataF
     fresh = fresh_fitness_of(study.model, study.robots, study.seed)
     gaps = decompose(tables.generations, fresh, study.minutes)
     claims = weigh_claims(tables, study.seed)
+    mixture, evolved = mixture_table(tables, study.seed), evolved_table(tables)
     runs = tables.runs.merge(_gap_of_runs(gaps), on=["condition", "variant", "run"], how="left")
     write_parquet(runs, out / "study.parquet")
     write_parquet(tables.generations, out / "generations.parquet")
     table = gap_table(gaps)
     controllers = controllers_table(fresh.mean(axis=0))
-    for name, frame in (("claims", claims), ("gap", table), ("controllers", controllers)):
+    for name, frame in (
+        ("claims", claims),
+        ("mixture", mixture),
+        ("evolved", evolved),
+        ("gap", table),
+        ("controllers", controllers),
+    ):
         write_csv(frame, out / f"{name}.csv")
+    results = result_sections(study, claims, mixture, evolved)
+    with whole_file(out / "claims.md", force=True) as part:
+        part.write_text(markdown(results), encoding="utf-8")
     drawn = _figures(tables, gaps, out / "figures")
     with whole_file(out / "report.html", force=True) as part:
         write_page(
@@ -56,7 +68,7 @@ def write_report(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.DataF
                 Section("Food collected", figures=[drawn["fig6-food"]]),
                 Section("Collection rate", figures=[drawn["fig7-retrieval"]]),
                 Section("What the robots believe", figures=[drawn["fig8-s0"]]),
-                Section("Claims of section IV", CLAIMS_TEXT, tables=[claims_view(claims)]),
+                *results,
                 Section(
                     "The reality gap",
                     figures=[drawn["gap-course"], drawn["gap-parts"]],
@@ -69,12 +81,6 @@ def write_report(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.DataF
     return claims
 
 
-CLAIMS_TEXT = (
-    "Each claim is a statistic decided before any result was seen. Every value is one run. "
-    "Effects carry 95 % bootstrap intervals; p is corrected by Holm over the whole table. "
-    "Reproduced: corrected p below 0.05 and the effect within the claimed range. Not reproduced: "
-    "the whole interval outside it. Undecided: neither.",
-)
 GAP_TEXT = (
     "All in seconds of fitness (eq. 1) per generation of 60 s. The first table gives the gap and "
     "its parts by case and by what the robot believed; the second what each of the nine "
@@ -82,41 +88,13 @@ GAP_TEXT = (
 )
 
 
-def claims_view(claims: pd.DataFrame) -> Table:
-    """The claims as the page shows them."""
-    view = claims[["section", "text", "statistic"]].copy()
-    view["effect"] = [number(value) for value in claims["effect"]]
-    view["95 % interval"] = [
-        f"{number(low)} to {number(high)}"
-        for low, high in zip(claims["low"], claims["high"], strict=True)
-    ]
-    view["claimed"] = [
-        claimed(low, high)
-        for low, high in zip(claims["claimed_above"], claims["claimed_below"], strict=True)
-    ]
-    view["p"] = [number(value) for value in claims["p"]]
-    view["p, Holm"] = [number(value) for value in claims["p_holm"]]
-    view["verdict"] = claims["verdict"]
-    return Table.of(view)
-
-
-def claimed(low: float, high: float) -> str:
-    """The range in which a claim holds, as text."""
-    if high == float("inf"):
-        return f"> {number(low)}"
-    return f"< {number(high)}" if low == float("-inf") else f"{number(low)} to {number(high)}"
-
-
 def lead_line(directory: StudyDirectory[StudyConfig, PlannedRun], claims: pd.DataFrame) -> str:
     """What was run and how it came out, in two sentences."""
-    study, counts = directory.study, claims["verdict"].value_counts()
-    found = ", ".join(
-        f"{counts.get(name, 0)} {name}" for name in ("reproduced", "not reproduced", "undecided")
-    )
+    study = directory.study
     board = f", the model {Path(study.model).name} on board" if study.model else ""
     return (
         f"{len(directory.runs)} runs of {study.minutes:g} minutes with {study.robots} robots, "
-        f"seed {study.seed}{board}. Of {len(claims)} claims: {found}."
+        f"seed {study.seed}{board}. {outcome(claims)}"
     )
 
 

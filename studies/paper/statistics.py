@@ -1,7 +1,7 @@
 """How a claim is weighed: an effect with a bootstrap interval, and the probability of chance.
 
-All tests are one-sided, in the claimed direction. Every value is one run, so runs are what is
-resampled.
+All tests are one-sided, and each claim has two: one for it and the same one against it. Every value
+is one run, so runs are what is resampled.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ RESAMPLES = 2000
 FEWEST = 3
 """Runs below which an interval says nothing; our choice: of two, every resample is one of four."""
 LEVEL = 0.95
-"""Coverage of intervals; verdicts use its complement after Holm's correction."""
+"""Coverage of intervals; its complement is the chance of any wrong verdict in a table of claims."""
 
 
 @dataclass(frozen=True)
@@ -34,10 +34,19 @@ class Evidence:
     high: float
     p: float
     """Probability of so much support by chance; NaN where it cannot be computed."""
+    p_against: float
+    """Probability of so much contradiction by chance, by the same test turned round."""
     region: tuple[float, float]
     """Effects for which the claim holds."""
     runs: int
     """Values the test rests on."""
+
+    @property
+    def points(self) -> str:
+        """Where the estimate lies: "with" the claim, "against" it, or empty without one."""
+        if not np.isfinite(self.effect):
+            return ""
+        return "with" if self.region[0] < self.effect < self.region[1] else "against"
 
 
 def ratio(values: Sequence[Array]) -> float:
@@ -125,20 +134,40 @@ def interval(
 
 def outside(drawn: Array, region: tuple[float, float]) -> float:
     """p of the effect lying outside a region: the share of resamples that do, never zero."""
-    missed = ~((drawn > region[0]) & (drawn < region[1]))
-    return float((1 + np.count_nonzero(missed)) / (1 + len(drawn)))
+    return _share(~_within(drawn, region))
 
 
-def holm(p_values: Sequence[float]) -> list[float]:
-    """Holm's correction over a table of claims; what could not be tested stays NaN."""
-    p = np.asarray(p_values, dtype=np.float64)
-    tested = np.flatnonzero(np.isfinite(p))
-    adjusted = np.full(len(p), np.nan)
-    running = 0.0
-    for rank, at in enumerate(tested[np.argsort(p[tested], kind="stable")].tolist()):
-        running = max(running, min(1.0, float(p[at]) * (len(tested) - rank)))
-        adjusted[at] = running
-    return adjusted.tolist()
+def inside(drawn: Array, region: tuple[float, float]) -> float:
+    """p of the effect lying inside a region: the share of resamples that do, never zero."""
+    return _share(_within(drawn, region))
+
+
+def largest(p_values: Sequence[float]) -> float:
+    """p of a claim that needs every one of its comparisons."""
+    return float(np.max(p_values))
+
+
+def smallest(p_values: Sequence[float]) -> float:
+    """p of a claim that one of its comparisons is enough for, corrected for their number."""
+    return min(1.0, len(p_values) * float(np.min(p_values)))
+
+
+def needed(claims: int) -> float:
+    """p below which a claim is decided in either direction, by Bonferroni over the table.
+
+    A claim is true or false, so only one of its two verdicts can be wrong: the number of claims,
+    not of tests, is corrected for. Holm's steps would not hold, because a claim that is decided one
+    way still has a true hypothesis the other way.
+    """
+    return (1.0 - LEVEL) / claims
+
+
+def _within(drawn: Array, region: tuple[float, float]) -> npt.NDArray[np.bool_]:
+    return (drawn > region[0]) & (drawn < region[1])
+
+
+def _share(which: npt.NDArray[np.bool_]) -> float:
+    return float((1 + np.count_nonzero(which)) / (1 + len(which)))
 
 
 def _usable(*samples: Array) -> bool:

@@ -5,16 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 
 from studies.execution import Workers
-from studies.paper.conditions import PAPER, StudyConfig, plan
+from studies.paper.claims_page import outcome
+from studies.paper.conditions import STUDIED, StudyConfig, plan
 from studies.paper.directory import StudyDirectory
 from studies.paper.execution import execute, run_files
 from studies.paper.readings import reading_conditions
-from studies.paper.readings_report import write_readings
+from studies.paper.readings_report import dependence_line, write_readings
 from studies.paper.report import write_report
 
 
-def run_study(study: StudyConfig, out: Path, workers: Workers, *, quiet: bool = False) -> None:
+def run_study(study: StudyConfig, out: Path, workers: Workers, *, quiet: bool = False) -> str:
     """Run or resume a study in `out` and write its tables, figures and report.
+
+    Returns:
+        What came out, in one line.
 
     Raises:
         InputError: `out` cannot be used or the scheduler does not answer.
@@ -22,10 +26,9 @@ def run_study(study: StudyConfig, out: Path, workers: Workers, *, quiet: bool = 
         WorkersLost: workers keep dying.
     """
     readings = study.study == "readings"
-    runs = plan(study, reading_conditions() if readings else PAPER)
+    runs = plan(study, reading_conditions() if readings else STUDIED)
     with StudyDirectory(out, study, runs).held() as directory:
         execute(directory, workers, run_files, quiet=quiet)
         if readings:
-            write_readings(directory)
-        else:
-            write_report(directory)
+            return dependence_line(write_readings(directory))
+        return outcome(write_report(directory))

@@ -1,7 +1,8 @@
-"""The claims table: every claim weighed, corrected over the whole table, and judged.
+"""The claims table: every claim weighed, and judged by one rule in both directions.
 
-A claim is reproduced if chance is unlikely after Holm's correction over the whole table; not
-reproduced if the effect's 95 % interval lies wholly where the claim is false; else undecided.
+Reproduced: the estimate lies where the claim is true and the test for it is clear enough for the
+whole table. Not reproduced: the estimate lies where it is false and the same test turned round is
+as clear. Everything else is undecided.
 """
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ import numpy as np
 import pandas as pd
 
 from studies.paper.claims import CLAIMS
-from studies.paper.statistics import FEWEST, LEVEL, Evidence, holm
+from studies.paper.notes import labels
+from studies.paper.statistics import FEWEST, Evidence, needed
 from studies.paper.tables import StudyTables
 from studies.paper.weighing import Claim
 
@@ -25,8 +27,7 @@ def weigh_claims(tables: StudyTables, seed: int) -> pd.DataFrame:
         seed: The study's; every claim resamples from a stream of its own.
     """
     evidence = weigh(tables, seed)
-    adjusted = holm([found.p for found in evidence])
-    return pd.DataFrame([_row(*row) for row in zip(CLAIMS, evidence, adjusted, strict=True)])
+    return pd.DataFrame([_row(*row) for row in zip(CLAIMS, evidence, strict=True)])
 
 
 def weigh(tables: StudyTables, seed: int) -> list[Evidence]:
@@ -38,7 +39,7 @@ def weigh(tables: StudyTables, seed: int) -> list[Evidence]:
     return evidence
 
 
-def _row(claim: Claim, evidence: Evidence, p_holm: float) -> dict[str, object]:
+def _row(claim: Claim, evidence: Evidence) -> dict[str, object]:
     low, high = evidence.region
     return {
         "claim": claim.key,
@@ -50,20 +51,21 @@ def _row(claim: Claim, evidence: Evidence, p_holm: float) -> dict[str, object]:
         "high": evidence.high,
         "claimed_above": low,
         "claimed_below": high,
+        "points": evidence.points,
         "p": evidence.p,
-        "p_holm": p_holm,
+        "p_against": evidence.p_against,
         "runs": evidence.runs,
-        "verdict": verdict(evidence, p_holm),
+        "verdict": verdict(evidence),
+        "notes": "; ".join(labels(claim.key, evidence.region)),
     }
 
 
-def verdict(evidence: Evidence, p_holm: float) -> str:
-    """Reproduced, not reproduced or undecided."""
-    low, high = evidence.region
+def verdict(evidence: Evidence, claims: int = len(CLAIMS)) -> str:
+    """Reproduced, not reproduced or undecided, in a table of so many claims."""
     if evidence.runs < FEWEST:
         return "undecided"
-    if p_holm < 1.0 - LEVEL and low < evidence.effect < high:
+    if evidence.points == "with" and evidence.p < needed(claims):
         return "reproduced"
-    if evidence.high <= low or evidence.low >= high:
+    if evidence.points == "against" and evidence.p_against < needed(claims):
         return "not reproduced"
     return "undecided"

@@ -1,7 +1,7 @@
 """Kinds of claim: what is compared with what, decided before any number is seen.
 
 Each function makes a claim's `weigh`: from the tables of one variant and a random stream to the
-evidence. Names of conditions are those of `PAPER`.
+evidence, for and against. Names of conditions are those of `PAPER`; several are pooled.
 """
 
 from __future__ import annotations
@@ -18,11 +18,14 @@ from studies.paper.statistics import (
     Evidence,
     Statistic,
     brown_forsythe,
+    inside,
     interval,
+    largest,
     mann_whitney,
     mean,
     outside,
     ratio,
+    smallest,
     smallest_ratio,
     spread_ratio,
     wilcoxon,
@@ -31,6 +34,8 @@ from studies.paper.tables import StudyTables
 
 Weigh = Callable[[StudyTables, np.random.Generator], Evidence]
 Names = str | tuple[str, ...]
+Both = tuple[float, float]
+"""p for a claim and p against it."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +62,7 @@ def more(above: Names, below: Names, column: str | tuple[str, str]) -> Weigh:
 
     def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
         samples = [_pool(tables, above, first), _pool(tables, below, second)]
-        p = mann_whitney(samples[0], samples[1])
-        return _evidence(ratio, samples, random, p, ABOVE_ONE)
+        return _evidence(ratio, samples, random, _greater(*samples), ABOVE_ONE)
 
     return weigh
 
@@ -68,19 +72,22 @@ def less(below: Names, above: Names, column: str) -> Weigh:
 
     def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
         samples = [_pool(tables, below, column), _pool(tables, above, column)]
-        p = mann_whitney(samples[1], samples[0])
+        p = _greater(samples[1], samples[0])
         return _evidence(ratio, samples, random, p, BELOW_ONE)
 
     return weigh
 
 
 def all_more(above: Sequence[Names], below: Sequence[Names], column: str) -> Weigh:
-    """Each of `above` has more than each of `below`: the least ratio, the largest p."""
+    """Each of `above` has more than each of `below`: the least ratio, the largest p.
+
+    Against it: one of `below` has more than one of `above`, the smallest p times their number.
+    """
 
     def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
         high = [_pool(tables, names, column) for names in above]
         low = [_pool(tables, names, column) for names in below]
-        p = float(np.max([mann_whitney(a, b) for a in high for b in low]))
+        p = _all_of([_greater(a, b) for a in high for b in low])
         statistic = partial(smallest_ratio, split=len(high))
         return _evidence(statistic, [*high, *low], random, p, ABOVE_ONE)
 
@@ -88,7 +95,7 @@ def all_more(above: Sequence[Names], below: Sequence[Names], column: str) -> Wei
 
 
 def ratio_within(above: Names, below: Names, column: str, region: tuple[float, float]) -> Weigh:
-    """The ratio of means lies in a region: share of resamples outside it."""
+    """The ratio of means lies in a region: shares of resamples outside it, and inside."""
 
     def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
         samples = [_pool(tables, above, column), _pool(tables, below, column)]
@@ -102,7 +109,7 @@ def at_least(above: Names, below: Names, column: str, margin: float) -> Weigh:
 
     def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
         samples = [_pool(tables, above, column), _pool(tables, below, column)]
-        p = mann_whitney(samples[0], margin * samples[1])
+        p = _greater(samples[0], margin * samples[1])
         return _evidence(ratio, samples, random, p, (margin, float("inf")))
 
     return weigh
@@ -113,7 +120,7 @@ def falls(condition: str, before: str, after: str) -> Weigh:
 
     def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
         samples = [tables.values(condition, after), tables.values(condition, before)]
-        p = wilcoxon(samples[1] - samples[0])
+        p = _positive(samples[1] - samples[0])
         return _evidence(ratio, samples, random, p, BELOW_ONE, paired=True)
 
     return weigh
@@ -124,7 +131,7 @@ def spread_changes(condition: str, before: str, after: str, *, grows: bool) -> W
 
     def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
         late, early = tables.values(condition, after), tables.values(condition, before)
-        p = brown_forsythe(late, early) if grows else brown_forsythe(early, late)
+        p = _wider(late, early) if grows else _wider(early, late)
         region = ABOVE_ONE if grows else BELOW_ONE
         return _evidence(spread_ratio, [late, early], random, p, region, paired=True)
 
@@ -132,7 +139,10 @@ def spread_changes(condition: str, before: str, after: str, *, grows: bool) -> W
 
 
 def least_spread(condition: str, others: Sequence[str], column: str) -> Weigh:
-    """A condition is less spread than each of the others: the largest ratio, the largest p."""
+    """A condition is less spread than each of the others: the largest ratio, the largest p.
+
+    Against it: it is more spread than one of them, the smallest p times their number.
+    """
 
     def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
         narrow = tables.values(condition, column)
@@ -141,22 +151,22 @@ def least_spread(condition: str, others: Sequence[str], column: str) -> Weigh:
         def statistic(samples: Sequence[Array]) -> float:
             return max(spread_ratio((samples[0], other)) for other in samples[1:])
 
-        p = float(np.max([brown_forsythe(other, narrow) for other in wide]))
+        p = _all_of([_wider(other, narrow) for other in wide])
         return _evidence(statistic, [narrow, *wide], random, p, BELOW_ONE)
 
     return weigh
 
 
-def share(condition: str, columns: tuple[str, ...], bound: float, *, above: bool = True) -> Weigh:
+def share(names: Names, columns: tuple[str, ...], bound: float, *, above: bool = True) -> Weigh:
     """The mean of columns of each run lies above, or below, a bound: Wilcoxon signed-rank.
 
     Runs in which it does not occur are left out.
     """
 
     def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
-        values = np.mean([tables.values(condition, column) for column in columns], axis=0)
+        values = np.mean([_pool(tables, names, column) for column in columns], axis=0)
         values = values[np.isfinite(values)]
-        p = wilcoxon(values - bound if above else bound - values)
+        p = _positive(values - bound if above else bound - values)
         region = (bound, float("inf")) if above else (float("-inf"), bound)
         return _evidence(mean, [values], random, p, region)
 
@@ -164,7 +174,7 @@ def share(condition: str, columns: tuple[str, ...], bound: float, *, above: bool
 
 
 def persists(condition: str, scenario: int, region: tuple[float, float]) -> Weigh:
-    """Minutes until belief in the old scenario has fallen half-way: share of resamples outside."""
+    """Minutes until belief in the old scenario has fallen half-way: shares of resamples."""
 
     def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
         curves = old_third_curves(tables, condition, scenario)
@@ -177,9 +187,27 @@ def persists(condition: str, scenario: int, region: tuple[float, float]) -> Weig
             return _nothing(region, len(curves))
         effect = statistic([curves])
         low, high, drawn = interval(statistic, [curves], random, paired=True)
-        return Evidence(effect, low, high, outside(drawn, region), region, len(curves))
+        p = outside(drawn, region), inside(drawn, region)
+        return Evidence(effect, low, high, *p, region, len(curves))
 
     return weigh
+
+
+def _greater(more: Array, less: Array) -> Both:
+    return mann_whitney(more, less), mann_whitney(less, more)
+
+
+def _positive(differences: Array) -> Both:
+    return wilcoxon(differences), wilcoxon(-differences)
+
+
+def _wider(wide: Array, narrow: Array) -> Both:
+    return brown_forsythe(wide, narrow), brown_forsythe(narrow, wide)
+
+
+def _all_of(comparisons: Sequence[Both]) -> Both:
+    """Of a claim that needs all its comparisons: all for it, or one against it."""
+    return largest([p for p, _ in comparisons]), smallest([p for _, p in comparisons])
 
 
 def _pool(tables: StudyTables, names: Names, column: str) -> Array:
@@ -193,21 +221,21 @@ def _evidence(
     statistic: Statistic,
     samples: Sequence[Array],
     random: np.random.Generator,
-    p: float | None,
+    p: Both | None,
     region: tuple[float, float],
     *,
     paired: bool = False,
 ) -> Evidence:
-    """Effect, interval and p; without a p of a test, the share of resamples outside the region."""
+    """Effect, interval and p; without a p of a test, the shares of resamples."""
     runs = min(len(sample) for sample in samples)
     if runs < 2 or not all(np.isfinite(sample).all() for sample in samples):
         return _nothing(region, runs)
     low, high, drawn = interval(statistic, samples, random, paired=paired)
-    p = outside(drawn, region) if p is None else p
-    return Evidence(statistic(samples), low, high, p, region, runs)
+    both = (outside(drawn, region), inside(drawn, region)) if p is None else p
+    return Evidence(statistic(samples), low, high, *both, region, runs)
 
 
 def _nothing(region: tuple[float, float], runs: int) -> Evidence:
     """Too little data, or a condition in which it does not occur."""
     nan = float("nan")
-    return Evidence(nan, nan, nan, nan, region, runs)
+    return Evidence(nan, nan, nan, nan, nan, region, runs)

@@ -122,13 +122,10 @@ def _page(
         )
         for one, entry in zip(study.alterations, content["alterations"], strict=True)
     ]
-    verdicts = [row["verdict"] for row in rows.values() if row is not None]
     lead = (
         f"{len(study.alterations)} altered realities, {study.runs} paired runs of "
         f"{study.minutes:g} minutes with {study.robots} robots and each model on board; "
-        f"{study.trials} embedded trials per genome ({study.genome}). The extended model brings "
-        f"more food than the minimal one in {verdicts.count('more')}, less in "
-        f"{verdicts.count('less')} (95 % bootstrap intervals of paired differences)."
+        f"{study.trials} embedded trials per genome ({study.genome}). {words.outcome(content)}"
     )
     picks = pd.DataFrame(
         [{"altered": e["name"], **p} for e in content["alterations"] for p in e["choices"]]

@@ -12,7 +12,7 @@ from studies.manifest import Pieces, made
 from studies.paper.directory import StudyDirectory
 from studies.paper.execution import RunsFailed, execute
 from studies.progress import Stages
-from studies.transfer import beliefs
+from studies.transfer import beliefs, words
 from studies.transfer.plan import TransferConfig, TransferRun, log_config, model_origin, plan
 from studies.transfer.report import write_report
 
@@ -30,10 +30,11 @@ class Work:
         return run_altered(AlteredRun(run.config, run.effects, model))
 
 
-def run_transfer(
-    study: TransferConfig, out: Path, workers: Workers, *, quiet: bool = False
-) -> None:
+def run_transfer(study: TransferConfig, out: Path, workers: Workers, *, quiet: bool = False) -> str:
     """Run or resume the study in `out` and write `transfer.json`, tables, figures and report.
+
+    Returns:
+        What came out, in one line.
 
     Raises:
         InputError: `out` or a given model cannot be used, or the scheduler does not answer.
@@ -44,7 +45,7 @@ def run_transfer(
     with StudyDirectory(out, study, runs).held() as directory:
         models = _prepare(study, out, workers, quiet=quiet)
         execute(directory, workers, Work(models), quiet=quiet)
-        write_report(directory)
+        return words.outcome(write_report(directory))
 
 
 def _prepare(

@@ -78,6 +78,21 @@ def reason(picks: Sequence[Mapping[str, Any]]) -> str:
     return told
 
 
+def outcome(content: Mapping[str, Any]) -> str:
+    """What a study found, in one line, from the content of `transfer.json`."""
+    verdicts = [
+        row["verdict"]
+        for entry in content["alterations"]
+        for row in entry["comparisons"]
+        if (row["metric"], row["first"], row["second"]) == ("food", "extended", "minimal")
+    ]
+    return (
+        f"Of {len(content['alterations'])} altered realities the extended model brings more food "
+        f"than the minimal one in {verdicts.count('more')}, less in {verdicts.count('less')} "
+        "(95 % bootstrap intervals of paired differences)."
+    )
+
+
 def find(table: pd.DataFrame, alteration: str, metric: str) -> Mapping[str, Any] | None:
     """The row that compares the extended with the minimal model."""
     if table.empty:

@@ -67,6 +67,29 @@ def test_runs_that_fail_end_in_one_line_and_exit_code_1(
     assert "2 runs failed" in said
 
 
+@pytest.mark.parametrize(
+    ("name", "run"),
+    [
+        ("paper", "studies.paper.study.run_study"),
+        ("readings", "studies.paper.study.run_study"),
+        ("transfer", "studies.transfer.study.run_transfer"),
+    ],
+)
+def test_a_study_ends_with_its_result_and_the_path_of_its_page(
+    name: str,
+    run: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(run, lambda *args, **options: "What came out.")
+    page = tmp_path / "study" / "report.html"
+    assert _run(monkeypatch, name, "--out", str(page.parent)) == 0
+    assert capsys.readouterr().out.splitlines() == ["What came out.", f"{page}: written"]
+    assert _run(monkeypatch, name, "--out", str(page.parent), "--quiet") == 0
+    assert capsys.readouterr().out == ""
+
+
 def test_help_shows_an_example(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from studies.execution import Workers
-from studies.paper.conditions import PAPER, plan
+from studies.paper.conditions import STUDIED, plan
 from studies.paper.study import run_study
 from tests.studies.small_study import TINY, results
 
@@ -33,14 +33,15 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_study_leaves_its_tables_figures_and_page(study: Path) -> None:
     files = {str(path.relative_to(study)) for path in study.rglob("*") if path.is_file()}
     expected = {"study.json", "study.parquet", "generations.parquet", "report.html"}
-    expected |= {"claims.csv", "gap.csv", "controllers.csv"}
+    expected |= {"claims.csv", "claims.md", "mixture.csv", "evolved.csv"}
+    expected |= {"gap.csv", "controllers.csv"}
     expected |= {f"figures/{name}.{kind}" for name in FIGURES for kind in ("png", "svg")}
     assert expected <= files
 
 
 def test_the_study_table_has_a_row_per_run_with_its_seed(study: Path) -> None:
     table = pd.read_parquet(study / "study.parquet")
-    runs = plan(SMALL, PAPER)
+    runs = plan(SMALL, STUDIED)
     assert table["seed"].tolist() == [run.config.seed for run in runs]
     assert (table["food_first"] + table["food_second"] == table["food_total"]).all()
     quarters = table[[f"food_q{i}" for i in range(1, 5)]].sum(axis=1)
@@ -65,8 +66,10 @@ def test_making_the_report_again_changes_no_byte_of_the_results(
 ) -> None:
     before = results(study)
     monkeypatch.setattr("studies.fitness_gap.anew.TRIALS", 20)
-    run_study(SMALL, study, Workers(1), quiet=True)
+    said = run_study(SMALL, study, Workers(1), quiet=True)
     assert results(study) == before
+    assert said in (study / "report.html").read_text(encoding="utf-8")
+    assert said in " ".join((study / "claims.md").read_text(encoding="utf-8").split())
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")

@@ -5,25 +5,35 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
+from scipy import stats
 
 from studies.paper.claims import CLAIMS
 from studies.paper.persistence import half_life
 from studies.paper.statistics import (
     Evidence,
     brown_forsythe,
-    holm,
     interval,
     mann_whitney,
     mean,
+    needed,
     outside,
     ratio,
     wilcoxon,
 )
 from studies.paper.tables import StudyTables
 from studies.paper.verdicts import verdict
-from studies.paper.weighing import all_more, falls, more, ratio_within, share
+from studies.paper.weighing import (
+    all_more,
+    at_least,
+    falls,
+    least_spread,
+    less,
+    more,
+    ratio_within,
+    share,
+)
 
 RANDOM = np.random.default_rng
 LOW, HIGH = np.arange(10.0) + 100.0, np.arange(10.0) + 200.0
@@ -55,21 +65,14 @@ def test_brown_forsythe_sees_spread_and_not_place() -> None:
     assert brown_forsythe(narrow, wide) > 0.99
 
 
-@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=30))
-def test_holm_is_between_the_raw_p_and_bonferroni(p: list[float]) -> None:
-    adjusted = np.array(holm(p))
-    assert (adjusted >= np.array(p) - 1e-12).all()
-    assert (adjusted <= np.minimum(1.0, len(p) * np.array(p)) + 1e-12).all() or len(p) > 1
-    order = np.argsort(p, kind="stable")
-    assert (np.diff(adjusted[order]) >= 0.0).all()
-    assert adjusted[order[0]] == pytest.approx(min(1.0, len(p) * min(p)))
-
-
-def test_holm_leaves_out_what_could_not_be_tested() -> None:
-    adjusted = holm([0.01, float("nan"), 0.04])
-    assert adjusted[0] == pytest.approx(0.02)
-    assert np.isnan(adjusted[1])
-    assert adjusted[2] == pytest.approx(0.04)
+def test_of_a_table_of_false_claims_one_is_reproduced_in_at_most_a_twentieth_of_studies() -> None:
+    claims, studies = 35, 400
+    one, other = RANDOM(3).normal(size=(2, studies * claims, 10))
+    p = stats.mannwhitneyu(one, other, axis=1, alternative="greater").pvalue
+    p = p.reshape(studies, claims)
+    wrong = (p < needed(claims)).any(axis=1).mean()
+    assert 0.005 < wrong < 0.05 + 3.0 * np.sqrt(0.05 * 0.95 / studies)
+    assert (p < needed(1)).any(axis=1).mean() > 0.5  # uncorrected most studies would have one
 
 
 def test_a_bootstrap_interval_covers_the_truth_about_as_often_as_it_says() -> None:
@@ -87,15 +90,60 @@ def test_an_effect_inside_a_region_is_unlikely_outside_it() -> None:
     assert outside(drawn, (1.1, 2.0)) == 1.0
 
 
-def test_verdicts_follow_the_corrected_p_and_the_interval() -> None:
-    above_one = (1.0, float("inf"))
-    assert verdict(Evidence(2.0, 1.5, 2.5, 1e-4, above_one, 10), 0.01) == "reproduced"
-    assert verdict(Evidence(2.0, 1.5, 2.5, 1e-2, above_one, 10), 0.2) == "undecided"
-    assert verdict(Evidence(0.8, 0.6, 0.9, 0.99, above_one, 10), 1.0) == "not reproduced"
-    assert verdict(Evidence(0.9, 0.6, 1.2, 0.6, above_one, 10), 1.0) == "undecided"
-    assert verdict(Evidence(2.0, 1.5, 2.5, 1e-4, above_one, 2), 0.01) == "undecided"
+def _evidence(effect: float, p: float, p_against: float, runs: int = 10) -> Evidence:
+    return Evidence(effect, effect - 0.1, effect + 0.1, p, p_against, (1.0, float("inf")), runs)
+
+
+def test_a_verdict_needs_an_estimate_on_its_side_and_a_p_below_the_bar() -> None:
+    assert verdict(_evidence(2.0, 1e-3, 1.0), 35) == "reproduced"
+    assert verdict(_evidence(2.0, 2e-3, 1.0), 35) == "undecided"
+    assert verdict(_evidence(0.5, 1.0, 1e-3), 35) == "not reproduced"
+    assert verdict(_evidence(0.5, 1.0, 2e-3), 35) == "undecided"  # whatever its interval
+    assert verdict(_evidence(2.0, 1.0, 1e-3), 35) == "undecided"
+    assert verdict(_evidence(2.0, 1e-3, 1.0, runs=2), 35) == "undecided"
     nan = float("nan")
-    assert verdict(Evidence(nan, nan, nan, nan, above_one, 0), nan) == "undecided"
+    assert verdict(_evidence(nan, nan, nan), 35) == "undecided"
+
+
+@given(st.floats(0.0, 2.0), st.floats(0.0, 0.01), st.floats(0.0, 0.01), st.integers(1, 50))
+def test_one_rule_decides_in_both_directions(
+    effect: float, p: float, p_against: float, claims: int
+) -> None:
+    assume(effect != 1.0)
+    turned = {"reproduced": "not reproduced", "not reproduced": "reproduced"}
+    found = verdict(_evidence(effect, p, p_against), claims)
+    mirrored = verdict(_evidence(2.0 - effect, p_against, p), claims)
+    assert mirrored == turned.get(found, found)
+
+
+def test_the_evidence_against_a_claim_is_the_evidence_for_its_contrary() -> None:
+    tables = _tables(poor=LOW, rich=HIGH, alike=LOW + 1.0)
+    for claim, contrary in (
+        (more("poor", "rich", "food"), more("rich", "poor", "food")),
+        (less("rich", "poor", "food"), less("poor", "rich", "food")),
+        (falls("poor", "after", "food"), falls("poor", "food", "after")),
+        (share("rich", ("food",), 150.0, above=False), share("rich", ("food",), 150.0)),
+        (at_least("poor", "rich", "food", 1.0), more("rich", "poor", "food")),
+    ):
+        assert claim(tables, RANDOM(0)).p_against == contrary(tables, RANDOM(0)).p < 0.01
+    spread = _tables(wide=np.linspace(0.0, 100.0, 10), narrow=np.linspace(49.0, 51.0, 10))
+    wrong = least_spread("wide", ("narrow",), "food")(spread, RANDOM(0))
+    assert wrong.p_against == least_spread("narrow", ("wide",), "food")(spread, RANDOM(0)).p < 0.01
+
+
+def test_a_claim_of_many_comparisons_is_contradicted_by_one_at_the_price_of_all() -> None:
+    tables = _tables(poor=LOW, rich=HIGH, alike=LOW + 1.0)
+    found = all_more(("rich", "poor"), ("alike",), "food")(tables, RANDOM(0))
+    assert found.p_against == pytest.approx(2.0 * mann_whitney(LOW + 1.0, LOW))
+    assert found.points == "against"
+
+
+def test_a_range_is_left_by_the_resamples_that_do_not_stay_in_it() -> None:
+    found = ratio_within("rich", "poor", "food", (0.9, 1.1))(
+        _tables(poor=LOW, rich=HIGH), RANDOM(0)
+    )
+    assert found.p == 1.0
+    assert found.p_against == pytest.approx(1.0 / 2001.0)
 
 
 def test_each_kind_of_claim_finds_what_is_there() -> None:
@@ -116,8 +164,15 @@ def test_each_kind_of_claim_finds_what_is_there() -> None:
 
 def test_a_claim_without_data_is_left_open() -> None:
     evidence = more("rich", "nowhere", "food")(_tables(rich=HIGH), RANDOM(0))
-    assert np.isnan(evidence.p)
-    assert verdict(evidence, float("nan")) == "undecided"
+    assert np.isnan([evidence.p, evidence.p_against]).all()
+    assert evidence.points == ""
+    assert verdict(evidence) == "undecided"
+
+
+def test_pooled_conditions_are_one_sample() -> None:
+    found = share(("poor", "alike"), ("food",), 50.0)(_tables(poor=LOW, alike=LOW + 1.0), RANDOM(0))
+    assert found.runs == 20
+    assert found.effect == pytest.approx(np.concatenate([LOW, LOW + 1.0]).mean())
 
 
 def test_half_life_is_when_the_share_has_fallen_half_way() -> None:

@@ -184,13 +184,15 @@ def test_a_tiny_study_runs_resumes_and_reports(
     write_oracle(parse_effects((WINDOW,), 2), given)
     study = _tiny(given)
     out = tmp_path / "study"
-    run_transfer(study, out, Workers(1), quiet=True)
+    said = run_transfer(study, out, Workers(1), quiet=True)
+    assert said.startswith("Of 1 altered realities the extended model brings more food")
     report = (out / "transfer.json").read_bytes()
     content = json.loads(report)
     (entry,) = content["alterations"]
     assert entry["diagnosed"] == "a given model"
     assert {row["metric"] for row in entry["comparisons"]} >= {"food", "gap", "fitness_real"}
     page = (out / "report.html").read_text(encoding="utf-8")
+    assert said in page
     assert "data:image/png;base64," in page
     assert "http://" not in page.replace("http://www.w3.org", "")
     runs = pd.read_csv(out / "runs.csv")

@@ -1,0 +1,125 @@
+"""Claims and mixture as sections: the same on the page and in `claims.md`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from studies.paper.conditions import LABELS, StudyConfig
+from studies.paper.mixture import mixture_text
+from studies.paper.notes import NOTES
+from studies.paper.page import VERDICTS, Section, Table, number
+from studies.paper.power import power_table, power_text
+
+WEIGHED = (
+    "Each claim is a statistic decided before any result was seen. Every value is one run. Effects "
+    "carry 95 % bootstrap intervals. One rule decides in both directions. Reproduced: the estimate "
+    "lies where the claim is true, and p for it is below the bar. Not reproduced: the estimate "
+    "lies where it is false, and p against it, of the same test turned round, is below the same "
+    "bar."
+)
+UNDECIDED = (
+    "Undecided means that these runs neither support nor contradict the claim clearly enough for a "
+    "table of so many claims. It is no evidence for the paper and none against it, and more runs "
+    "may decide it either way."
+)
+
+
+def outcome(claims: pd.DataFrame) -> str:
+    """How many claims came out how, and where the undecided ones point."""
+    counts = claims["verdict"].value_counts()
+    found = ", ".join(f"{counts.get(name, 0)} {name}" for name in VERDICTS)
+    astray = _astray(claims)
+    return f"Of {len(claims)} claims: {found} ({len(astray)} of these point against the paper)."
+
+
+def result_sections(
+    study: StudyConfig, claims: pd.DataFrame, mixture: pd.DataFrame, evolved: pd.DataFrame
+) -> list[Section]:
+    """What came out, as sections.
+
+    Args:
+        study: What was run.
+        claims: `claims.csv`.
+        mixture: `mixture.csv`.
+        evolved: `evolved.csv`.
+    """
+    astray = ", ".join(_astray(claims)) or "none"
+    texts = [
+        outcome(claims),
+        UNDECIDED,
+        f"Undecided with an estimate against the paper: {astray}.",
+        WEIGHED,
+        power_text(study.runs, len(claims)),
+        "What stands beside a claim:",
+        *(f"{note.label}: {note.text}" for note in NOTES),
+    ]
+    tables = [Table.of(power_table(study.runs, len(claims))), claims_view(claims)]
+    shown = [Table.of(_mixture_view(mixture)), Table.of(_evolved_view(evolved))]
+    return [
+        Section("Claims of section IV", texts, tables=tables),
+        Section(
+            "More than the fixed positive controller", mixture_text(mixture, evolved), tables=shown
+        ),
+    ]
+
+
+def claims_view(claims: pd.DataFrame) -> Table:
+    """The claims as the page shows them."""
+    view = claims[["claim", "text", "statistic"]].copy()
+    view["effect (95 %)"] = [
+        f"{number(effect)} ({number(low)} to {number(high)})"
+        for effect, low, high in zip(claims["effect"], claims["low"], claims["high"], strict=True)
+    ]
+    view["claimed"] = [
+        claimed(low, high)
+        for low, high in zip(claims["claimed_above"], claims["claimed_below"], strict=True)
+    ]
+    view["points"] = [where or "–" for where in claims["points"].fillna("")]
+    view["p for"] = [number(value) for value in claims["p"]]
+    view["p against"] = [number(value) for value in claims["p_against"]]
+    view["verdict"] = claims["verdict"]
+    view["beside it"] = claims["notes"].fillna("")
+    return Table.of(view)
+
+
+def claimed(low: float, high: float) -> str:
+    """The range in which a claim holds, as text."""
+    if high == float("inf"):
+        return f"> {number(low)}"
+    return f"< {number(high)}" if low == float("-inf") else f"{number(low)} to {number(high)}"
+
+
+def _astray(claims: pd.DataFrame) -> Sequence[str]:
+    """Undecided claims whose estimate points against the paper."""
+    which = (claims["verdict"] == "undecided") & (claims["points"] == "against")
+    return claims.loc[which, "claim"].tolist()
+
+
+def _mixture_view(mixture: pd.DataFrame) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "first": mixture["first"].map(LABELS),
+            "second": mixture["second"].map(LABELS),
+            "items of the first": mixture["food_first"].map(number),
+            "of the second": mixture["food_second"].map(number),
+            "difference (95 %)": [
+                f"{number(row['difference'])} ({number(row['low'])} to {number(row['high'])})"
+                for row in mixture.to_dict("records")
+            ],
+            "p, two-sided": mixture["p"].map(number),
+            "paired": mixture["paired"].map({True: "yes", False: "no"}),
+        }
+    )
+
+
+def _evolved_view(evolved: pd.DataFrame) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "carrying food": evolved["carrying_food"],
+            "without food": evolved["without_food"],
+            "share of controllers": evolved["share"].map("{:.1%}".format),
+            "items per generation": evolved["items"].map(number),
+        }
+    )
