@@ -50,7 +50,7 @@ def paper(
     """Repeat section IV of the paper: eight conditions, figures 6 to 8, and every claim tested.
 
     Two conditions more try half of the robots with either controller that evolves at the nest.
-    Writes study.parquet (a row per run), generations.parquet, claims.csv, mixture.csv, claims.md,
+    Writes study.parquet (a row per run), generations.parquet, claims.csv, mixture.csv, results.md,
     figures/ and report.html. Stopped or killed, the same command goes on with the runs that are
     missing.
     """

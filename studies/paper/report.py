@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
 
-from studies.fitness_gap.anew import PARTS, TRIALS, decompose, fresh_fitness_of
+from studies.fitness_gap.anew import PARTS, decompose, fresh_fitness_of
 from studies.output import whole_file
 from studies.paper import figures, gap_figures
-from studies.paper.claims_page import outcome, result_sections
 from studies.paper.conditions import PlannedRun, StudyConfig
 from studies.paper.directory import StudyDirectory
 from studies.paper.gap_tables import controllers_table, gap_table
 from studies.paper.mixture import evolved_table, mixture_table
 from studies.paper.page import Picture, Section, Table, markdown, write_page
+from studies.paper.results import outcome, result_sections
 from studies.paper.tables import StudyTables, collect
 from studies.paper.verdicts import weigh_claims
 
@@ -41,22 +42,19 @@ def write_report(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.DataF
     fresh = fresh_fitness_of(study.model, study.robots, study.seed)
     gaps = decompose(tables.generations, fresh, study.minutes)
     claims = weigh_claims(tables, study.seed)
-    mixture, evolved = mixture_table(tables, study.seed), evolved_table(tables)
     runs = tables.runs.merge(_gap_of_runs(gaps), on=["condition", "variant", "run"], how="left")
     write_parquet(runs, out / "study.parquet")
     write_parquet(tables.generations, out / "generations.parquet")
-    table = gap_table(gaps)
-    controllers = controllers_table(fresh.mean(axis=0))
     for name, frame in (
         ("claims", claims),
-        ("mixture", mixture),
-        ("evolved", evolved),
-        ("gap", table),
-        ("controllers", controllers),
+        ("mixture", mixture_table(tables, study.seed)),
+        ("evolved", evolved_table(tables)),
+        ("gap", gap_table(gaps)),
+        ("controllers", controllers_table(fresh.mean(axis=0))),
     ):
         write_csv(frame, out / f"{name}.csv")
-    results = result_sections(study, claims, mixture, evolved)
-    with whole_file(out / "claims.md", force=True) as part:
+    results = result_sections(study, out)
+    with whole_file(out / "results.md", force=True) as part:
         part.write_text(markdown(results), encoding="utf-8")
     drawn = _figures(tables, gaps, out / "figures")
     with whole_file(out / "report.html", force=True) as part:
@@ -68,24 +66,12 @@ def write_report(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.DataF
                 Section("Food collected", figures=[drawn["fig6-food"]]),
                 Section("Collection rate", figures=[drawn["fig7-retrieval"]]),
                 Section("What the robots believe", figures=[drawn["fig8-s0"]]),
-                *results,
-                Section(
-                    "The reality gap",
-                    figures=[drawn["gap-course"], drawn["gap-parts"]],
-                    tables=[Table.of(_gap_view(table)), Table.of(controllers)],
-                    texts=GAP_TEXT,
-                ),
+                *results[:-1],
+                replace(results[-1], figures=[drawn["gap-course"], drawn["gap-parts"]]),
                 *settings_sections(directory),
             ],
         )
     return claims
-
-
-GAP_TEXT = (
-    "All in seconds of fitness (eq. 1) per generation of 60 s. The first table gives the gap and "
-    "its parts by case and by what the robot believed; the second what each of the nine "
-    f"controllers earns in each simulated scenario, a mean of {TRIALS} fresh trials.",
-)
 
 
 def lead_line(directory: StudyDirectory[StudyConfig, PlannedRun], claims: pd.DataFrame) -> str:
@@ -158,19 +144,6 @@ def _gap_of_runs(gaps: pd.DataFrame) -> pd.DataFrame:
     means = gaps.groupby(["condition", "variant", "index"])[["gap", *PARTS]].mean()
     names = {"index": "run", **{part: f"gap_{part}" for part in PARTS}}
     return means.reset_index().rename(columns=names)
-
-
-def _gap_view(table: pd.DataFrame) -> pd.DataFrame:
-    view = table.drop(columns=["variant"]).rename(
-        columns={
-            "fitness_sim": "in simulation",
-            "fitness_real": "in reality",
-            "curse": "winner's curse",
-            "scenario": "wrong scenario",
-            "model": "model error",
-        }
-    )
-    return view.astype({"generations": object})
 
 
 def write_parquet(frame: pd.DataFrame, path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -10,9 +11,16 @@ import pandas as pd
 import pytest
 
 from studies.paper.claims import CLAIMS
-from studies.paper.conditions import PAPER
+from studies.paper.conditions import STUDIED, StudyConfig
+from studies.paper.mixture import mixture_table
+from studies.paper.notes import LAMP, MUTATION, NOTES, POOLED
+from studies.paper.page import markdown
+from studies.paper.results import result_sections
+from studies.paper.tables import StudyTables
+from studies.paper.verdicts import weigh_claims
 
 DOCS = Path(__file__).parents[2] / "docs"
+STUDY = DOCS / "paper-study"
 
 
 def test_five_lines_of_pandas_rebuild_figure_6(
@@ -20,7 +28,7 @@ def test_five_lines_of_pandas_rebuild_figure_6(
 ) -> None:
     rows = [
         {"label": condition.label, "food_total": 10 + run, "food_first": 4 + run}
-        for condition in PAPER
+        for condition in STUDIED
         for run in range(3)
     ]
     (tmp_path / "out" / "study").mkdir(parents=True)
@@ -35,20 +43,68 @@ def test_five_lines_of_pandas_rebuild_figure_6(
         axes = shown["axes"]
         bars = [bar.get_height() for bar in axes.patches]  # type: ignore[attr-defined]
         mpl.pyplot.close("all")
-    assert bars[:8] == [11.0] * 8
-    assert bars[8:16] == [5.0] * 8
+    assert bars[:10] == [11.0] * 10
+    assert bars[10:20] == [5.0] * 10
 
 
 def test_the_committed_claims_are_those_of_the_code_and_none_that_failed_is_passed_over() -> None:
-    claims = pd.read_csv(DOCS / "paper-study" / "claims.csv")
+    claims = pd.read_csv(STUDY / "claims.csv")
     assert claims["claim"].tolist() == [claim.key for claim in CLAIMS]
     assert claims["text"].tolist() == [claim.text for claim in CLAIMS]
-    told = (DOCS / "paper-study" / "README.md").read_text(encoding="utf-8")
+    told = (STUDY / "README.md").read_text(encoding="utf-8")
     for key in claims.loc[claims["verdict"] == "not reproduced", "claim"]:
         assert f"`{key}`" in told
 
 
-def test_the_committed_study_has_eighty_runs_of_an_hour() -> None:
-    runs = pd.read_parquet(DOCS / "paper-study" / "study.parquet")
-    assert len(runs) == 8 * 10
+def test_the_committed_study_has_ten_runs_of_an_hour_in_every_condition() -> None:
+    runs = pd.read_parquet(STUDY / "study.parquet")
+    assert set(runs.groupby("condition").size()) == {10}
+    assert set(runs["condition"]) == {condition.name for condition in STUDIED}
     assert (runs["minutes"] == 60.0).all()
+    noted = json.loads((STUDY / "study.json").read_text(encoding="utf-8"))["seeds"]
+    names = runs["condition"] + "-" + runs["run"].map("{:02d}".format)
+    assert dict(zip(names, runs["seed"], strict=True)) == noted
+
+
+def test_the_committed_results_are_what_the_code_makes_of_the_committed_tables() -> None:
+    noted = json.loads((STUDY / "study.json").read_text(encoding="utf-8"))["configuration"]
+    told = (STUDY / "README.md").read_text(encoding="utf-8")
+    assert told.endswith("-->\n\n" + markdown(result_sections(StudyConfig(**noted), STUDY)))
+
+
+def test_the_committed_mixture_is_that_of_the_committed_runs() -> None:
+    runs = pd.read_parquet(STUDY / "study.parquet")
+    found = mixture_table(StudyTables(runs, pd.DataFrame(), 60.0), 0)
+    pd.testing.assert_frame_equal(found, pd.read_csv(STUDY / "mixture.csv"), rtol=1e-5)
+
+
+@pytest.mark.slow
+def test_the_committed_claims_are_those_of_the_committed_runs() -> None:
+    runs = pd.read_parquet(STUDY / "study.parquet")
+    none = pd.DataFrame(columns=["condition", "index", "minute", "s0_third"], dtype=float)
+    found = weigh_claims(StudyTables(runs, none, 60.0), 0).set_index("claim")
+    kept = pd.read_csv(STUDY / "claims.csv", keep_default_na=True).set_index("claim")
+    timed = [key for key in found.index if key.startswith("persists-")]  # of generations, not runs
+    columns = ["effect", "low", "high", "p", "p_against", "verdict", "points"]
+    pd.testing.assert_frame_equal(
+        found.drop(index=timed)[columns], kept.drop(index=timed)[columns], rtol=1e-5
+    )
+
+
+def test_what_depends_on_our_choices_says_so_beside_the_claim() -> None:
+    claims = pd.read_csv(STUDY / "claims.csv").set_index("claim")
+    notes = claims["notes"].fillna("")
+    depends = pd.read_csv(STUDY / "dependence.csv").set_index("claim")
+    for note, on in ((LAMP, "on the lamp"), (MUTATION, "on the reading")):
+        concerned = set(depends.index[depends[on] == "depends"])
+        assert concerned <= set(note.claims)
+        assert all(note.label in notes[key] for key in note.claims)
+    assert set(notes.index[notes.str.contains(POOLED.label)]) == set(POOLED.claims)
+    bounds = claims["claimed_above"].eq(1.0) & claims["claimed_below"].eq(float("inf"))
+    bounds |= claims["claimed_below"].isin([0.0, 1.0])
+    assert set(notes.index[notes.str.contains("any difference counts")]) == set(notes[bounds].index)
+
+
+def test_every_note_is_of_claims_that_exist() -> None:
+    keys = {claim.key for claim in CLAIMS}
+    assert all(set(note.claims) <= keys for note in NOTES)

@@ -33,7 +33,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_study_leaves_its_tables_figures_and_page(study: Path) -> None:
     files = {str(path.relative_to(study)) for path in study.rglob("*") if path.is_file()}
     expected = {"study.json", "study.parquet", "generations.parquet", "report.html"}
-    expected |= {"claims.csv", "claims.md", "mixture.csv", "evolved.csv"}
+    expected |= {"claims.csv", "results.md", "mixture.csv", "evolved.csv"}
     expected |= {"gap.csv", "controllers.csv"}
     expected |= {f"figures/{name}.{kind}" for name in FIGURES for kind in ("png", "svg")}
     assert expected <= files
@@ -69,7 +69,7 @@ def test_making_the_report_again_changes_no_byte_of_the_results(
     said = run_study(SMALL, study, Workers(1), quiet=True)
     assert results(study) == before
     assert said in (study / "report.html").read_text(encoding="utf-8")
-    assert said in " ".join((study / "claims.md").read_text(encoding="utf-8").split())
+    assert said in " ".join((study / "results.md").read_text(encoding="utf-8").split())
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")

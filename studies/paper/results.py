@@ -1,12 +1,14 @@
-"""Claims and mixture as sections: the same on the page and in `claims.md`."""
+"""What came out, as sections made from a study's tables: on the page and in `results.md`."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import pandas as pd
 
-from studies.paper.conditions import LABELS, StudyConfig
+from studies.fitness_gap.anew import TRIALS
+from studies.paper.conditions import LABELS, STUDIED, StudyConfig
 from studies.paper.mixture import mixture_text
 from studies.paper.notes import NOTES
 from studies.paper.page import VERDICTS, Section, Table, number
@@ -26,6 +28,13 @@ UNDECIDED = (
 )
 
 
+GAP_TEXT = (
+    "All in seconds of fitness (eq. 1) per generation of 60 s. The first table gives the gap and "
+    "its parts by case and by what the robot believed; the second what each of the nine "
+    f"controllers earns in each simulated scenario, a mean of {TRIALS} fresh trials.",
+)
+
+
 def outcome(claims: pd.DataFrame) -> str:
     """How many claims came out how, and where the undecided ones point."""
     counts = claims["verdict"].value_counts()
@@ -34,17 +43,37 @@ def outcome(claims: pd.DataFrame) -> str:
     return f"Of {len(claims)} claims: {found} ({len(astray)} of these point against the paper)."
 
 
-def result_sections(
-    study: StudyConfig, claims: pd.DataFrame, mixture: pd.DataFrame, evolved: pd.DataFrame
-) -> list[Section]:
-    """What came out, as sections.
+def result_sections(study: StudyConfig, folder: Path) -> list[Section]:
+    """Food, claims, mixture and gap, from the tables that a study left in a folder.
 
     Args:
         study: What was run.
-        claims: `claims.csv`.
-        mixture: `mixture.csv`.
-        evolved: `evolved.csv`.
+        folder: With `study.parquet`, `claims.csv`, `mixture.csv`, `evolved.csv`, `gap.csv` and
+            `controllers.csv`.
     """
+    runs = pd.read_parquet(folder / "study.parquet")
+    names = ("claims", "mixture", "evolved", "gap", "controllers")
+    claims, mixture, evolved, gap, controllers = (
+        pd.read_csv(folder / f"{name}.csv") for name in names
+    )
+    return [
+        Section("Items brought to the nest", tables=[Table.of(_food_view(runs))]),
+        _claims_section(study, claims),
+        Section(
+            "Why co-evolution collects more than the fixed positive controller",
+            mixture_text(mixture, evolved),
+            tables=[Table.of(_mixture_view(mixture)), Table.of(_evolved_view(evolved))],
+        ),
+        Section(
+            "The reality gap",
+            GAP_TEXT,
+            tables=[Table.of(_gap_view(gap)), Table.of(controllers)],
+        ),
+    ]
+
+
+def _claims_section(study: StudyConfig, claims: pd.DataFrame) -> Section:
+    """How claims are weighed, what so many runs can decide, and every claim."""
     astray = ", ".join(_astray(claims)) or "none"
     texts = [
         outcome(claims),
@@ -56,13 +85,7 @@ def result_sections(
         *(f"{note.label}: {note.text}" for note in NOTES),
     ]
     tables = [Table.of(power_table(study.runs, len(claims))), claims_view(claims)]
-    shown = [Table.of(_mixture_view(mixture)), Table.of(_evolved_view(evolved))]
-    return [
-        Section("Claims of section IV", texts, tables=tables),
-        Section(
-            "More than the fixed positive controller", mixture_text(mixture, evolved), tables=shown
-        ),
-    ]
+    return Section("Claims of section IV", texts, tables=tables)
 
 
 def claims_view(claims: pd.DataFrame) -> Table:
@@ -95,6 +118,36 @@ def _astray(claims: pd.DataFrame) -> Sequence[str]:
     """Undecided claims whose estimate points against the paper."""
     which = (claims["verdict"] == "undecided") & (claims["points"] == "against")
     return claims.loc[which, "claim"].tolist()
+
+
+def _food_view(runs: pd.DataFrame) -> pd.DataFrame:
+    """Items per run by condition: mean, least, most, and the mean of each half."""
+    food = runs.groupby("condition")["food_total"].agg(["mean", "min", "max"])
+    halves = runs.groupby("condition")[["food_first", "food_second"]].mean()
+    table = food.join(halves).reindex([condition.name for condition in STUDIED]).reset_index()
+    return pd.DataFrame(
+        {
+            "condition": table["condition"].map(LABELS),
+            "items per run": table["mean"],
+            "least": table["min"].astype(float),
+            "most": table["max"].astype(float),
+            "first half": table["food_first"],
+            "second half": table["food_second"],
+        }
+    )
+
+
+def _gap_view(table: pd.DataFrame) -> pd.DataFrame:
+    view = table.drop(columns=["variant"]).rename(
+        columns={
+            "fitness_sim": "in simulation",
+            "fitness_real": "in reality",
+            "curse": "winner's curse",
+            "scenario": "wrong scenario",
+            "model": "model error",
+        }
+    )
+    return view.astype({"generations": object})
 
 
 def _mixture_view(mixture: pd.DataFrame) -> pd.DataFrame:
