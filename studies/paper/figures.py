@@ -44,7 +44,8 @@ def food(tables: StudyTables) -> Figure:
     figure = Figure(figsize=(10, 4.6), layout="constrained")
     axes = figure.subplots()
     names = [condition.name for condition in PAPER]
-    data = tables.runs.assign(condition=pd.Categorical(tables.runs["condition"], names))
+    papers = tables.runs[tables.runs["condition"].isin(names)]
+    data = papers.assign(condition=pd.Categorical(papers["condition"], names))
     common = {"data": data, "x": "condition", "ax": axes, "errorbar": None, "width": 0.72}
     sns.barplot(y="food_total", color=LIGHT, **common)
     sns.barplot(y="food_first", color=DARK, **common)

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from studies.paper.conditions import LABELS
-from studies.paper.statistics import Array, interval, mann_whitney, wilcoxon
+from studies.paper.statistics import FEWEST, Array, interval, mann_whitney, wilcoxon
 from studies.paper.tables import BEHAVIOURS, StudyTables
 
 Row = dict[Hashable, Any]
@@ -34,14 +34,19 @@ COMPARISONS = (
 def mixture_table(tables: StudyTables, seed: int) -> pd.DataFrame:
     """`mixture.csv`: items per run of two conditions and their difference, a row per comparison.
 
+    Fixed controllers are compared on the runs that both have.
+
     Returns:
         first, second, food_first, food_second, difference (items), low, high (95 % bootstrap), p
-        (two-sided; Wilcoxon for pairs, else Mann-Whitney), runs, paired.
+        (two-sided; Wilcoxon for pairs, else Mann-Whitney), runs (of the second), paired.
     """
+    food = tables.runs.pivot(index=["variant", "run"], columns="condition", values="food_total")
     rows = []
     for first, second in COMPARISONS:
-        samples = [tables.values(name, "food_total") for name in (first, second)]
         paired = first != EVOLVED
+        both = food.reindex(columns=[first, second])
+        both = both.dropna() if paired else both
+        samples = [both[name].dropna().to_numpy(dtype=np.float64) for name in (first, second)]
         stream = np.random.SeedSequence(seed, spawn_key=(zlib.crc32(f"{first}-{second}".encode()),))
         low, high, _ = interval(_difference, samples, np.random.default_rng(stream), paired=paired)
         rows.append(
@@ -54,7 +59,7 @@ def mixture_table(tables: StudyTables, seed: int) -> pd.DataFrame:
                 "low": low,
                 "high": high,
                 "p": _two_sided(*samples, paired=paired),
-                "runs": len(samples[0]),
+                "runs": len(samples[1]),
                 "paired": paired,
             }
         )
@@ -94,7 +99,8 @@ def mixture_text(table: pd.DataFrame, evolved: pd.DataFrame) -> list[str]:
         "lamp with food. Without food the fixed one searches. In the second half of the runs of "
         f"co-evolution {share['positive', 'search']:.0%} of the controllers do the same, and "
         f"{share['positive', 'negative']:.0%} leave the lamp instead (“to and fro”). Each was "
-        "tried alone as a fixed controller, and half of each; these three have the same seeds.",
+        "tried alone as a fixed controller, and half of each; these three have the same seeds, and "
+        f"{against[0]['runs']} runs of the mixture are there.",
         " ".join(_sentence(row) for row in against) + " " + _conclusion(against),
         _sentence(found[EVOLVED, MIXED]) + " " + _remainder(found[EVOLVED, MIXED]),
     ]
@@ -102,7 +108,7 @@ def mixture_text(table: pd.DataFrame, evolved: pd.DataFrame) -> list[str]:
 
 def _sentence(row: Row) -> str:
     first, second = (LABELS[row[name]] for name in ("first", "second"))
-    kind = "paired, " if row["paired"] else ""
+    kind = f"{row['runs']} pairs, " if row["paired"] else ""
     return (
         f"{first} brings {row['food_first']:.0f} items per run and {second.lower()} "
         f"{row['food_second']:.0f}: a difference of {row['difference']:+.0f} ({row['low']:+.0f} to "
@@ -112,6 +118,8 @@ def _sentence(row: Row) -> str:
 
 def _conclusion(against: Sequence[Row]) -> str:
     """What the mixture's differences from either alone say."""
+    if any(row["runs"] < FEWEST for row in against):
+        return "So few pairs decide nothing."
     if all(_sign(row) > 0 for row in against):
         return "The mixture collects more than either alone: dividing the labour pays by itself."
     if any(_sign(row) < 0 for row in against):
@@ -127,6 +135,8 @@ def _conclusion(against: Sequence[Row]) -> str:
 
 def _remainder(row: Row) -> str:
     """What is left for other reasons."""
+    if row["runs"] < FEWEST:
+        return "So few runs decide nothing."
     return {
         1: "Something that the fixed mixture lacks brings the rest.",
         0: "Between these two no difference is shown.",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -32,9 +33,9 @@ def _tables(*, mixed: float, to_and_fro: float, evolved: float) -> StudyTables:
     }
     runs = pd.DataFrame(
         [
-            {"condition": name, "variant": "default", "food_total": value}
+            {"condition": name, "variant": "default", "run": run, "food_total": value}
             for name, values in food.items()
-            for value in values
+            for run, value in enumerate(values)
         ]
     )
     generations = pd.DataFrame(
@@ -91,6 +92,15 @@ def test_differences_of_fixed_controllers_are_those_of_pairs() -> None:
     assert unpaired["low"] < unpaired["difference"] < unpaired["high"]
 
 
+def test_only_runs_that_both_have_are_pairs() -> None:
+    tables = _tables(mixed=650.0, to_and_fro=640.0, evolved=800.0)
+    late = (tables.runs["condition"] == "fixed-mixture") & (tables.runs["run"] >= 6)
+    fewer = replace(tables, runs=tables.runs[~late])
+    found = mixture_table(fewer, 0).set_index(["first", "second"])
+    assert found["runs"].tolist() == [6, 6, 6, 10, 10]
+    assert found.loc[("fixed-mixture", "fixed-positive"), "difference"] == 50.0
+
+
 @pytest.mark.parametrize(
     ("mixed", "to_and_fro", "conclusion"),
     [
@@ -112,6 +122,13 @@ def test_the_text_says_what_the_mixture_leaves_unexplained() -> None:
         (500.0, "find its controllers first"),
     ):
         assert said in _said(_tables(mixed=650.0, to_and_fro=640.0, evolved=evolved))
+
+
+def test_two_pairs_decide_nothing_however_clear_they_look() -> None:
+    tables = _tables(mixed=650.0, to_and_fro=640.0, evolved=900.0)
+    said = _said(replace(tables, runs=tables.runs[tables.runs["run"] < 2]))
+    assert "So few pairs decide nothing." in said
+    assert "pays" not in said
 
 
 def test_what_evolves_is_counted_in_the_second_half_with_light_at_the_nest() -> None:
