@@ -24,6 +24,7 @@ Row = dict[Hashable, Any]
 EVOLVED, MIXED = "at-nest", "fixed-mixture"
 ALONE = ("fixed-positive", "fixed-to-and-fro")
 COMPARISONS = (
+    (ALONE[1], ALONE[0]),
     *((MIXED, alone) for alone in ALONE),
     (EVOLVED, MIXED),
     *((EVOLVED, alone) for alone in ALONE),
@@ -34,7 +35,7 @@ COMPARISONS = (
 def mixture_table(tables: StudyTables, seed: int) -> pd.DataFrame:
     """`mixture.csv`: items per run of two conditions and their difference, a row per comparison.
 
-    Fixed controllers are compared on the runs that both have.
+    Fixed controllers are compared on the runs that both have; what has no run is left out.
 
     Returns:
         first, second, food_first, food_second, difference (items), low, high (95 % bootstrap), p
@@ -46,6 +47,8 @@ def mixture_table(tables: StudyTables, seed: int) -> pd.DataFrame:
         paired = first != EVOLVED
         both = food.reindex(columns=[first, second])
         both = both.dropna() if paired else both
+        if not both.notna().any().all():
+            continue
         samples = [both[name].dropna().to_numpy(dtype=np.float64) for name in (first, second)]
         stream = np.random.SeedSequence(seed, spawn_key=(zlib.crc32(f"{first}-{second}".encode()),))
         low, high, _ = interval(_difference, samples, np.random.default_rng(stream), paired=paired)
@@ -70,7 +73,8 @@ def evolved_table(tables: StudyTables) -> pd.DataFrame:
     """`evolved.csv`: what runs on the robots in the second half with light at the nest.
 
     Returns:
-        carrying_food, without_food, share of deployed controllers, items per generation of 60 s.
+        carrying_food, without_food, share of deployed controllers, items per generation of 60 s,
+        runs.
     """
     generations = tables.generations
     late = generations["minute"] >= tables.minutes / 2.0
@@ -84,6 +88,7 @@ def evolved_table(tables: StudyTables) -> pd.DataFrame:
                 "without_food": BEHAVIOURS[g1],
                 "share": which.sum() / len(rows) if len(rows) else np.nan,
                 "items": rows.loc[which, "deposits"].mean(),
+                "runs": rows["index"].nunique(),
             }
         )
     return pd.DataFrame(found)
@@ -93,16 +98,19 @@ def mixture_text(table: pd.DataFrame, evolved: pd.DataFrame) -> list[str]:
     """What was tried and what came out, whichever way it went."""
     share = evolved.set_index(["carrying_food", "without_food"])["share"]
     found = {(row["first"], row["second"]): row for row in table.to_dict("records")}
-    against = [found[MIXED, alone] for alone in ALONE]
+    alone = [row for pair, row in found.items() if pair == (ALONE[1], ALONE[0])]
+    mixed = [row for (first, _), row in found.items() if first == MIXED]
+    evolution = [row for pair, row in found.items() if pair == (EVOLVED, MIXED)]
     return [
         "With light at the nest co-evolution and the fixed positive controller both approach the "
-        "lamp with food. Without food the fixed one searches. In the second half of the runs of "
-        f"co-evolution {share['positive', 'search']:.0%} of the controllers do the same, and "
-        f"{share['positive', 'negative']:.0%} leave the lamp instead (“to and fro”). Each was "
-        "tried alone as a fixed controller, and half of each; these three have the same seeds, and "
-        f"{against[0]['runs']} runs of the mixture are there.",
-        " ".join(_sentence(row) for row in against) + " " + _conclusion(against),
-        _sentence(found[EVOLVED, MIXED]) + " " + _remainder(found[EVOLVED, MIXED]),
+        "lamp with food. Without food the fixed one searches. In the second half of an evolved run "
+        f"({evolved['runs'].max()} counted) {share['positive', 'search']:.0%} of the controllers "
+        f"do the same, and {share['positive', 'negative']:.0%} leave the lamp instead (“to and "
+        "fro”). Each was tried alone as a fixed controller, and half of each; these three have the "
+        "same seeds.",
+        " ".join(_sentence(row) for row in (*alone, *mixed)),
+        _conclusion(mixed),
+        *(f"{_sentence(row)} {_remainder(row)}" for row in evolution),
     ]
 
 
@@ -118,8 +126,8 @@ def _sentence(row: Row) -> str:
 
 def _conclusion(against: Sequence[Row]) -> str:
     """What the mixture's differences from either alone say."""
-    if any(row["runs"] < FEWEST for row in against):
-        return "So few pairs decide nothing."
+    if len(against) < len(ALONE) or any(row["runs"] < FEWEST for row in against):
+        return "There are too few runs of the mixture to say what dividing the labour brings."
     if all(_sign(row) > 0 for row in against):
         return "The mixture collects more than either alone: dividing the labour pays by itself."
     if any(_sign(row) < 0 for row in against):
@@ -136,7 +144,7 @@ def _conclusion(against: Sequence[Row]) -> str:
 def _remainder(row: Row) -> str:
     """What is left for other reasons."""
     if row["runs"] < FEWEST:
-        return "So few runs decide nothing."
+        return "So few runs decide nothing of the rest."
     return {
         1: "Something that the fixed mixture lacks brings the rest.",
         0: "Between these two no difference is shown.",

@@ -40,12 +40,12 @@ def _tables(*, mixed: float, to_and_fro: float, evolved: float) -> StudyTables:
     )
     generations = pd.DataFrame(
         [
-            ("at-nest", 10.0, 0, 0, 9),
-            *[("at-nest", 40.0, 2, 1, 3)] * 3,
-            ("at-nest", 40.0, 2, 0, 5),
-            ("no-light", 40.0, 0, 0, 0),
+            ("at-nest", 0, 10.0, 0, 0, 9),
+            *[("at-nest", 0, 40.0, 2, 1, 3)] * 3,
+            ("at-nest", 1, 40.0, 2, 0, 5),
+            ("no-light", 2, 40.0, 0, 0, 0),
         ],
-        columns=["condition", "minute", "g0_third", "g1_third", "deposits"],
+        columns=["condition", "index", "minute", "g0_third", "g1_third", "deposits"],
     )
     return StudyTables(runs, generations, 60.0)
 
@@ -97,7 +97,7 @@ def test_only_runs_that_both_have_are_pairs() -> None:
     late = (tables.runs["condition"] == "fixed-mixture") & (tables.runs["run"] >= 6)
     fewer = replace(tables, runs=tables.runs[~late])
     found = mixture_table(fewer, 0).set_index(["first", "second"])
-    assert found["runs"].tolist() == [6, 6, 6, 10, 10]
+    assert found["runs"].tolist() == [10, 6, 6, 6, 10, 10]
     assert found.loc[("fixed-mixture", "fixed-positive"), "difference"] == 50.0
 
 
@@ -127,8 +127,10 @@ def test_the_text_says_what_the_mixture_leaves_unexplained() -> None:
 def test_two_pairs_decide_nothing_however_clear_they_look() -> None:
     tables = _tables(mixed=650.0, to_and_fro=640.0, evolved=900.0)
     said = _said(replace(tables, runs=tables.runs[tables.runs["run"] < 2]))
-    assert "So few pairs decide nothing." in said
-    assert "pays" not in said
+    assert "too few runs of the mixture" in said
+    assert "So few runs decide nothing of the rest." in said
+    none = tables.runs["condition"] != "fixed-mixture"
+    assert "too few runs of the mixture" in _said(replace(tables, runs=tables.runs[none]))
 
 
 def test_what_evolves_is_counted_in_the_second_half_with_light_at_the_nest() -> None:
@@ -137,3 +139,4 @@ def test_what_evolves_is_counted_in_the_second_half_with_light_at_the_nest() -> 
     assert found.loc[("positive", "search"), "share"] == pytest.approx(0.75)
     assert found.loc[("positive", "negative"), "items"] == 5.0
     assert table["share"].sum() == pytest.approx(1.0)
+    assert set(table["runs"]) == {2}
