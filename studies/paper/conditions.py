@@ -61,8 +61,8 @@ MIXTURE = (
         paired_with="fixed-positive",
     ),
 )
-"""With light at the nest co-evolution leaves two controllers in the swarm, that of `fixed-positive`
-and `to-and-fro`: the second alone, and half of each, on the seeds of the first alone. Not the
+"""With light at the nest mostly two controllers evolve, that of `fixed-positive` and `to-and-fro`:
+the second alone, and half of each, on the seeds of the first alone. Not the
 paper's: they ask why co-evolution collects more than the fixed positive controller."""
 
 STUDIED = (*PAPER, *MIXTURE)

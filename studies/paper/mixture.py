@@ -1,6 +1,6 @@
 """Why co-evolution collects more than the fixed positive controller: is it the mixture it runs?
 
-With light at the nest it leaves two controllers in the swarm. Each alone and half of each, as fixed
+With light at the nest mostly two controllers evolve. Each alone and half of each, as fixed
 controllers, tell what dividing the labour brings by itself.
 """
 

@@ -122,12 +122,13 @@ def _astray(claims: pd.DataFrame) -> Sequence[str]:
 
 def _food_view(runs: pd.DataFrame) -> pd.DataFrame:
     """Items per run by condition: mean, least, most, and the mean of each half."""
-    food = runs.groupby("condition")["food_total"].agg(["mean", "min", "max"])
+    food = runs.groupby("condition")["food_total"].agg(["count", "mean", "min", "max"])
     halves = runs.groupby("condition")[["food_first", "food_second"]].mean()
     table = food.join(halves).reindex([condition.name for condition in STUDIED]).reset_index()
     return pd.DataFrame(
         {
             "condition": table["condition"].map(LABELS),
+            "runs": table["count"].fillna(0).astype(int),
             "items per run": table["mean"],
             "least": table["min"].astype(float),
             "most": table["max"].astype(float),
