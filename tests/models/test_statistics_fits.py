@@ -1,0 +1,107 @@
+"""Fits of linear terms: covariances from blocks, and gains on blocks that are held out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.linalg import hadamard
+
+from embedded_sim.model import FloatArray
+from tests.models.toys import ENGINES, fit_motion
+
+SMALL = 0.01
+"""Errors, in noise, at which robust errors are as good as Gaussian."""
+
+
+def ordinary(y: FloatArray, x: FloatArray) -> FloatArray:
+    """(logs, p) least squares of each log."""
+    flat = x.reshape(len(x), -1, x.shape[3])
+    logs = zip(flat, y, strict=True)
+    return np.stack([np.linalg.lstsq(a, b.ravel(), rcond=None)[0] for a, b in logs])
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_held_out_gain_is_that_of_fits_to_the_other_folds(engine: str) -> None:
+    random = np.random.default_rng(1)
+    y = SMALL * random.normal(size=(4, 15, 10))
+    x = random.normal(size=(*y.shape, 2))
+    found = ENGINES[engine](y, x, at=ordinary(y, x))
+    for log in range(len(y)):
+        expected = 0.0
+        for fold in range(found.fold.max() + 1):
+            out = found.fold == fold
+            rest = ordinary(y[log : log + 1, ~out], x[log : log + 1, ~out])[0]
+            expected += float((y[log, out] ** 2 - (y[log, out] - x[log, out] @ rest) ** 2).sum())
+        assert found.gain[log] == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize(("engine", "logs"), [("motion", 1500), ("senses", 1000)])
+@pytest.mark.parametrize("size", [1, 3])
+def test_a_term_that_is_not_there_loses_what_it_is_expected_to_lose(
+    engine: str, logs: int, size: int
+) -> None:
+    """Errors hang together within blocks: a term that follows blocks as they do gains nothing on
+    blocks that were held out. With folds A_k of the curvature A it loses tr(A_k (A - A_k)^-1)
+    times the errors' variance, summed over folds."""
+    random = np.random.default_rng(2)
+    blocks, rows = 20, 5
+    y = np.repeat(SMALL * random.normal(size=(logs, blocks, 1)), rows, axis=2)
+    x = np.repeat(random.normal(size=(logs, blocks, 1, size)), rows, axis=2)
+    found = ENGINES[engine](y, x, at=ordinary(y, x))
+    each = np.einsum("lbrp,lbrq->lbpq", x, x)
+    whole = each.sum(axis=1)
+    expected = np.zeros(logs)
+    for fold in range(found.fold.max() + 1):
+        out = each[:, found.fold == fold].sum(axis=1)
+        expected -= np.trace(out @ np.linalg.inv(whole - out), axis1=1, axis2=2)
+    gain = found.gain / (rows * SMALL**2)
+    error = float(np.std(gain)) / np.sqrt(logs)
+    assert abs(gain.mean() - expected.mean()) < 4.0 * error
+    assert expected.mean() < -1.2 * size
+    assert error < 0.06 + 0.06 * size
+
+
+def test_a_variance_from_few_blocks_is_that_of_the_fit() -> None:
+    """Of eight blocks four terms leave four degrees of freedom, and blocks are what scatters."""
+    random = np.random.default_rng(3)
+    logs, blocks, rows, size, wide = 400, 8, 100, 4, 0.2
+    y = np.repeat(wide * random.normal(size=(logs, blocks, 1)), rows, axis=2)
+    design = hadamard(blocks)[:, 1 : size + 1].astype(float)
+    x = np.broadcast_to(design[None, :, None, :], (logs, blocks, rows, size))
+    found = fit_motion(y, x)
+    told = np.einsum("gpp->gp", found.covariance)
+    assert found.value.var() == pytest.approx(wide**2 / blocks, rel=0.15)
+    assert told.mean() == pytest.approx(wide**2 / blocks, rel=0.1)
+    held = (np.abs(found.value) < 1.96 * np.sqrt(told)).mean()
+    expected = 1.0 - 2.0 * stats.t.sf(1.96, blocks - size)
+    assert held == pytest.approx(expected, abs=0.03)
+
+
+@pytest.mark.parametrize(("engine", "rows", "wide"), [("motion", 60, 0.2), ("senses", 20, 0.7)])
+def test_a_95_per_cent_interval_holds_the_truth_in_95_per_cent_of_logs(
+    engine: str, rows: int, wide: float
+) -> None:
+    """Half of the errors' variance is a whole block's: rows are far from independent. Errors are of
+    the size at which each engine takes its weights for its curvature: small in motion, those of
+    the noise in the senses."""
+    random = np.random.default_rng(4)
+    logs, blocks, truth = 500, 40, 0.7
+    y = wide * random.normal(size=(logs, blocks, rows))
+    y += wide * random.normal(size=(logs, blocks, 1))
+    x = random.choice([-1.0, 1.0], (logs, blocks, 1, 1)) + np.zeros((logs, blocks, rows, 1))
+    found = ENGINES[engine](y + truth * x[..., 0], x)
+    away = np.abs(found.value - truth)[:, 0] / np.sqrt(found.covariance[:, 0, 0])
+    assert (away < 1.96).mean() == pytest.approx(0.95, abs=0.03)
+    assert (away < 1.0).mean() == pytest.approx(0.68, abs=0.07)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_covariance_is_never_less_than_white_noise_leaves(engine: str) -> None:
+    """In blocks whose errors happen to cancel nothing scatters."""
+    random = np.random.default_rng(5)
+    y = 0.3 * random.normal(size=(6, 10, 10))
+    y -= y.mean(axis=2, keepdims=True)
+    x = np.repeat(random.normal(size=(6, 10, 1, 1)), 10, axis=2)
+    found = ENGINES[engine](y, x)
+    assert (found.covariance[:, 0, 0] > 0.8 / (x**2).sum(axis=(1, 2, 3))).all()

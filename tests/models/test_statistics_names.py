@@ -1,0 +1,302 @@
+"""From fits to names: distances from health, rivals, what a swarm shares, what health feigns."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from embedded_sim import Drive
+from embedded_sim.model import FloatArray
+from models.identify import feigned as feigning
+from models.identify.choice import Choice, Evidence
+from models.identify.feigned import believable
+from models.identify.hypothesis import Term as MotionTerm
+from models.identify.measure import distance
+from models.identify.select import _Search
+from models.identify.swarm import _common
+from models.identify.value import values
+from models.reference import Gates, Reference, Spread, no_reference
+from models.senses import diagnose as sense_diagnosis
+from models.senses import naming, select
+from models.senses.causes import sense_causes
+from models.senses.problem import SWARM, Term
+from models.senses.reference import Level, away, no_sense_reference
+from models.senses.select import Found
+from tests.models.toys import MotionToy, SenseToy, motion_term, sense_term
+
+NO_COMMANDS = np.ones((1, 2))
+BLOCKS, ROWS = 10, 10
+NOISE = 1e-3
+"""Standard deviation of errors, in noise, that hardly count."""
+
+
+def health(sd: dict[str, float], *, gate: float = 4.0) -> Reference:
+    """A reference in which sound robots have these standard deviations, by cause."""
+    none = no_reference("toy", Drive())
+    spreads = {
+        name: Spread(
+            mean=(0.0,),
+            sd=(s,),
+            swarm_mean=(0.0,),
+            swarm_sd=(s,),
+            farthest=0.0,
+            swarm_farthest=0.0,
+        )
+        for name, s in sd.items()
+    }
+    return none.model_copy(
+        update={"robots": 10, "swarms": 2, "terms": spreads, "gates": Gates(distance=gate)}
+    )
+
+
+def patterns(number: int) -> FloatArray:
+    """(number, 1, BLOCKS, ROWS, 1) columns that share nothing, alike in every block."""
+    rows = np.linalg.qr(np.random.default_rng(0).normal(size=(ROWS, number)))[0].T
+    return np.broadcast_to(rows[:, None, None, :, None], (number, 1, BLOCKS, ROWS, 1)).copy()
+
+
+@pytest.mark.parametrize("size", [1, 2, 3])
+def test_a_sound_robot_is_as_far_from_health_as_chance_has_it_whatever_a_term_can_bend(
+    size: int,
+) -> None:
+    """The squared distance is that of `size` normal values less `size - 1`: one is expected."""
+    random = np.random.default_rng(1)
+    logs, term = 4000, motion_term("a", size)
+    error, sd = np.diag([0.3, 1.0, 2.0][:size]), np.array([0.5, 0.1, 3.0])[:size]
+    mix = np.eye(size) + 0.3
+    covariance = mix @ error @ mix.T
+    mean = np.arange(1.0, size + 1.0)
+    value = mean + sd * random.normal(size=(logs, size))
+    value += random.multivariate_normal(np.zeros(size), covariance, logs)
+    each = np.broadcast_to(covariance, (logs, size, size))
+    far = distance(term, value, each, NO_COMMANDS, mean, sd, np.zeros(logs))
+    for gate in (0.5, 1.0, 2.0):
+        expected = stats.chi2.sf(gate**2 + size - 1, size)
+        assert (far > gate).mean() == pytest.approx(expected, abs=0.025)
+
+
+def test_a_reading_is_as_far_from_health_as_fit_and_healthy_spread_together_have_it() -> None:
+    random = np.random.default_rng(2)
+    mean, sd, error = np.array([1.0]), np.array([0.4]), np.array([0.3])
+    far = [away(mean + 0.5 * random.normal(size=1), error, mean, sd) for _ in range(4000)]
+    assert (np.array(far) > 1.96).mean() == pytest.approx(0.05, abs=0.012)
+    none = np.zeros(1)
+    assert away(np.array([9.0]), none, mean, sd) == 0.0, "what did not move says nothing"
+
+
+def test_an_interval_holds_the_part_though_this_robot_differs_in_it_as_sound_robots_do() -> None:
+    random = np.random.default_rng(3)
+    truth, mean, sd, error = 0.7, 0.2, 0.3, 0.4
+    motion, sense = motion_term("a"), sense_term("a")
+    held = np.zeros(2)
+    for _ in range(2000):
+        value = np.array([truth + mean + sd * random.normal() + error * random.normal()])
+        (told,) = values(
+            motion, value, np.array([[error**2]]), NO_COMMANDS, np.array([mean]), np.array([sd])
+        )
+        found = Found(
+            term=sense,
+            coordinates=value,
+            error=np.array([error]),
+            gain=99.0,
+            share=0.5,
+            distance=9.0,
+        )
+        known = no_sense_reference("toy").model_copy(
+            update={"terms": {"a": _sense_health(mean, sd)}}
+        )
+        (named,) = naming.fitted_named([found], (0,), known)
+        for k, one in enumerate((told, named.values[0])):
+            held[k] += one.low <= truth <= one.high
+            assert one.low < one.value < one.high
+    assert held / 2000 == pytest.approx(0.95, abs=0.015)
+
+
+def _sense_health(mean: float, sd: float) -> Any:
+    of_offset = no_sense_reference("toy").terms["ir_offset"]
+    return of_offset.model_copy(
+        update={"mean": (mean,), "sd": (sd,), "swarm_mean": (mean,), "swarm_sd": (sd,)}
+    )
+
+
+def searched(
+    y: FloatArray, columns: dict[str, FloatArray], terms: tuple[MotionTerm, ...], known: Reference
+) -> tuple[_Search, Any]:
+    """A selection in one robot, and its set of terms, fitted."""
+    problem = MotionToy(y, columns)
+    fit = problem.fit(terms, [np.zeros((1, len(terms)))])
+    return _Search(problem, known, False, ()), fit
+
+
+@pytest.mark.parametrize(("spread", "rival"), [(0.1, False), (30.0, True)])
+def test_a_rival_that_needs_another_difference_from_health_is_none(
+    spread: float, rival: bool
+) -> None:
+    """The truth is `a`. `b` and `c` together do the same: `b` alone stands in its place only where
+    sound robots may have so much of `c`."""
+    one, two = patterns(2)
+    a, b, c = (motion_term(name) for name in "abc")
+    y = 9.0 * (one + two)[..., 0] / np.sqrt(2.0)
+    y += NOISE * np.random.default_rng(4).normal(size=y.shape)
+    columns = {"a": (one + two) / np.sqrt(2.0), "b": one, "c": two}
+    search, kept = searched(y, columns, (a, c), health({"a": 0.1, "b": 0.1, "c": spread}))
+    found = search.rivals(kept, a, {a: 100.0, b: 100.0}, [c])
+    assert found == ((b,) if rival else ())
+
+
+EVEN = np.ones(BLOCKS) / BLOCKS
+UNEVEN = np.array([0.5, 0.5, *[0.0] * (BLOCKS - 2)])
+"""Shares of a whole, by block."""
+
+
+def of_motion(lost: FloatArray, gain: float) -> bool:
+    """Whether motion calls a rival worse by a (blocks,) deviance; `gain` is the cause's own."""
+    problem = MotionToy(np.zeros((1, BLOCKS, ROWS)), {})
+    fit = problem.at((), np.zeros((1, 0)))
+
+    def leaving(deviance: FloatArray) -> Any:
+        left = np.zeros((BLOCKS, ROWS, 3))
+        left[:, 0, 0] = np.sqrt(5.0 * np.expm1(deviance / 6.0))  # of Student-t errors
+        return replace(fit, held_out=left.reshape(-1, 3))
+
+    kept = np.full(BLOCKS, 30.0)
+    own, rival, none = (leaving(kept + more) for more in (0.0 * lost, lost, gain * EVEN))
+    assert problem.gain(rival, own).sum() == pytest.approx(lost.sum())
+    return _Search(problem, health({}), False, ())._worse(own, rival, none)
+
+
+def of_senses(lost: FloatArray, gain: float) -> bool:
+    """The same of the senses, whose rule knows no gain."""
+    fit = SenseToy(np.zeros((1, BLOCKS, ROWS)), {}).fit((), np.zeros(0))
+    return select._worse(replace(fit, held_out=fit.held_out + lost), fit)
+
+
+@pytest.mark.parametrize("worse", [of_motion, of_senses])
+def test_a_rival_is_worse_by_odds_of_twenty_to_one_and_not_by_less(worse: Any) -> None:
+    assert worse(12.0 * EVEN, 900.0)
+    assert not worse(3.0 * EVEN, 900.0)
+    assert not worse(-12.0 * EVEN, 900.0)
+
+
+@pytest.mark.parametrize("worse", [of_motion, of_senses])
+def test_what_a_rival_loses_must_be_clear_of_its_scatter_from_block_to_block(worse: Any) -> None:
+    sides = np.array([1.0, -1.0])
+    hardly_known = np.array([20.0, 20.0, *np.tile(20.0 * sides, 4)])
+    well_known = 4.0 + 1.6 * np.tile(sides, 5)
+    assert hardly_known.sum() == well_known.sum() == pytest.approx(40.0)
+    assert not worse(hardly_known, 900.0)
+    assert worse(well_known, 900.0)
+
+
+def test_a_fifth_of_a_causes_gain_is_missed_however_few_blocks_it_is_lost_in() -> None:
+    assert of_motion(40.0 * UNEVEN, 150.0)
+    assert not of_motion(40.0 * UNEVEN, 900.0)
+
+
+def test_what_a_few_robots_have_is_not_what_the_swarm_shares() -> None:
+    """A value common to ten robots of which three have the cause makes the other seven worse."""
+    (one,) = patterns(1)
+    a = motion_term("a")
+    for have, shared in ((3, False), (10, True)):
+        has = (np.arange(10) < have)[:, None, None]
+        y = np.where(has, one[..., 0], 0.0)
+        y = y + 0.05 * np.random.default_rng(5).normal(size=y.shape)
+        problem = MotionToy(y, {"a": np.repeat(one, 10, axis=0)}, together=True)
+        before = problem.at((), np.zeros((1, 0)))
+        fit = problem.fit((a,), [np.zeros((1, 1))])
+        evidence = evidence_of(a, fit.coordinates[0], fit.covariance[0])
+        choice = Choice(problem=problem, named=(evidence,), fit=fit, before=before)
+        assert fit.coordinates[0, 0] == pytest.approx(0.1 * have, rel=0.2)
+        assert _common(problem, choice, evidence) is shared
+
+
+def evidence_of(term: MotionTerm, at: FloatArray, covariance: FloatArray) -> Evidence:
+    return Evidence(
+        term=term,
+        coordinates=at,
+        covariance=covariance,
+        gain=100.0,
+        share=0.5,
+        p_value=0.0,
+        distance=9.0,
+    )
+
+
+@pytest.mark.parametrize(("spread", "named"), [(0.2, True), (4.0, False)])
+def test_what_healthy_differences_in_another_term_feign_is_no_name(
+    monkeypatch: pytest.MonkeyPatch, spread: float, named: bool
+) -> None:
+    """A term left out biases the one fitted by its value times their overlap, a.b / a.a."""
+    one, two = patterns(2)
+    a, b = motion_term("a"), motion_term("b")
+    monkeypatch.setattr(feigning, "candidates", lambda: (a, b))
+    overlap = 0.6
+    columns = {"a": one, "b": overlap * one + np.sqrt(1.0 - overlap**2) * two}
+    problem = MotionToy(0.5 * one[..., 0], columns)
+    fit = problem.fit((a,), [np.zeros((1, 1))])
+    known = health({"a": 0.01, "b": spread})
+    told = feigning._of_health(problem, fit, known)
+    assert told == pytest.approx([overlap * spread], rel=1e-3)
+    sharp = replace(fit, covariance=np.full((1, 1, 1), 1e-4))
+    evidence = evidence_of(a, fit.coordinates[0], sharp.covariance[0])
+    before = problem.at((), np.zeros((1, 0)))
+    choice = Choice(problem=problem, named=(evidence,), fit=sharp, before=before)
+    assert fit.coordinates[0, 0] == pytest.approx(0.5, rel=0.05)
+    kept, _ = believable(problem, choice, {a: feigning.Twins(a, sharp, ())}, known)
+    assert bool(kept) is named
+
+
+def test_one_that_can_bend_further_is_no_rival_for_fitting_as_well() -> None:
+    one, two = patterns(2)
+    y = 3.0 * one[..., 0] + 0.05 * np.random.default_rng(6).normal(size=one.shape[:3])
+    problem = SenseToy(y, {"plain": one, "again": one, "bent": np.concatenate([one, two], axis=3)})
+    plain, again, bent = sense_term("plain"), sense_term("again"), sense_term("bent", 2)
+    tried = {plain: 100.0, again: 100.0, bent: 100.0}
+    less = problem.fit((), np.zeros(0))
+
+    def rivals(term: Term) -> set[Term]:
+        kept = problem.fit((term,), np.zeros(term.size))
+        return set(select._rivals(problem, kept, less, term, tried))
+
+    assert rivals(plain) == {again}
+    assert rivals(bent) == {plain, again}
+
+
+@pytest.mark.parametrize(
+    ("told", "error", "name", "rivals"),
+    [
+        (0.0, 0.01, "wall_albedo", ()),
+        (0.2, 0.01, "ir_gain", ()),
+        (0.05, 0.15, "wall_albedo", ("ir_gain",)),
+        (0.15, 0.15, "ir_gain", ("wall_albedo",)),
+        (np.nan, np.inf, "wall_albedo", ("ir_gain",)),
+    ],
+)
+def test_what_other_robots_return_tells_the_wall_from_the_sensors(
+    monkeypatch: pytest.MonkeyPatch, told: float, error: float, name: str, rivals: tuple[str, ...]
+) -> None:
+    """All infrared reads a share more before the wall. If it does before robots, too, it is the
+    sensors; if robots return what they did, the wall."""
+    monkeypatch.setattr(sense_diagnosis, "of_robots", lambda *_: (told, error))
+    monkeypatch.setattr(sense_diagnosis, "predict", lambda *_: np.zeros((1, 16)))
+    problem: Any = SenseToy(np.zeros((1, 1, 10)), {})
+    problem.model = None
+    fit = problem.fit((), np.zeros(0))
+    healthy = no_sense_reference("toy").model_copy(update={"targets": Level()})
+    for first in ("wall_albedo", "ir_gain"):
+        variant = sense_causes()[first].variants[0]
+        one = Found(
+            term=Term(sense_causes()[first], variant, SWARM),
+            coordinates=np.array([0.2]),
+            error=np.array([0.005]),
+            gain=99.0,
+            share=0.5,
+            distance=9.0,
+        )
+        found = sense_diagnosis._wall_or_sensors(one, problem, fit, healthy)
+        assert found.term.cause.name == name
+        assert tuple(t.cause.name for t in found.rivals) == rivals

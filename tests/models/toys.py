@@ -1,0 +1,198 @@
+"""Linear channels with Gaussian errors, whose statistics are known, for the engines of naming.
+
+A toy log is `y = X theta + e`, rows in blocks. Everything that knows how an engine is called is in
+this module; the tests speak of logs, terms and blocks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from embedded_sim.model import FloatArray
+from models.causes import Cause, Motion, Parameter
+from models.identify.fit import Problem as MotionProblem
+from models.identify.hypothesis import Term as MotionTerm
+from models.identify.residual import DEGREES as MOTION_DEGREES
+from models.identify.tracks import BLOCK_WINDOWS, Tracks
+from models.noise import PoseNoise
+from models.senses.cause import SenseCause
+from models.senses.problem import DEGREES as SENSE_DEGREES
+from models.senses.problem import FOLDS as SENSE_FOLDS
+from models.senses.problem import Problem as SenseProblem
+from models.senses.problem import Term as SenseTerm
+from models.senses.sight import Rows
+
+WIDE = 1e6
+"""Bounds that no toy reaches."""
+
+
+def parameters(number: int, **more: Any) -> tuple[Parameter, ...]:
+    """Numbers of a toy cause; a fit's coordinate is the value."""
+    return tuple(
+        Parameter(name=f"p{k}", unit="1", null=0.0, low=-WIDE, high=WIDE, step=1.0, **more)
+        for k in range(number)
+    )
+
+
+def motion_term(name: str, number: int = 1, **more: Any) -> MotionTerm:
+    """A term of motion that makes the column of its name."""
+    own = more.pop("own", {})
+    cause = Cause(
+        name=name,
+        meaning=name,
+        parameters=parameters(number, **own),
+        change=lambda motion, values, variant: motion,
+        **more,
+    )
+    return MotionTerm(cause, "")
+
+
+def sense_term(name: str, number: int = 1, robot: int = -1) -> SenseTerm:
+    """A term of the senses that makes the column of its name."""
+    cause = SenseCause(
+        name=name,
+        meaning=name,
+        parameters=parameters(number),
+        sense=lambda belief, values, variant: belief,
+        kind="ps",
+    )
+    return SenseTerm(cause, "", robot)
+
+
+def tracks(robots: int, blocks: int, rows: int) -> Tracks:
+    """Tracks of so many rows in each block; only how they are cut matters."""
+    each, per_window = blocks * rows, rows // BLOCK_WINDOWS
+    if per_window * BLOCK_WINDOWS != rows:
+        raise ValueError(f"rows: got {rows}, expected a multiple of {BLOCK_WINDOWS}")
+    total = robots * each
+    return Tracks(
+        robots=tuple(range(robots)),
+        t=np.tile(0.04 * np.arange(each), robots),
+        commands=np.ones((total, 2)),
+        start=np.arange(robots + 1) * each,
+        segment_robot=np.arange(robots),
+        encoders=None,
+        rows=np.arange(total),
+        first=np.arange(0, total, per_window),
+        measured=np.zeros((total, 3)),
+        about=np.zeros((total, 0)),
+        columns=(),
+        noise=PoseNoise(1.0, 1.0),
+    )
+
+
+class MotionToy(MotionProblem):
+    """The engine of motion on a linear channel."""
+
+    def __init__(
+        self, y: FloatArray, columns: Mapping[str, FloatArray], *, together: bool = False
+    ) -> None:
+        """Prepare.
+
+        Args:
+            y: (robots, blocks, rows) errors without any term, in noise.
+            columns: (robots, blocks, rows, p) by name of a cause.
+            together: All robots have one value of every coordinate; else each its own.
+        """
+        robots = len(y)
+        groups = np.zeros(robots, dtype=np.int64) if together else None
+        super().__init__(tracks(*y.shape), [Motion()] * robots, groups=groups)
+        self._y = y.ravel()
+        self._x = {name: x.reshape(y.size, -1) for name, x in columns.items()}
+
+    def residual(self, terms: Any, coordinates: FloatArray) -> FloatArray:
+        """(n, 3) errors, all of them in the first channel."""
+        mine = np.asarray(coordinates)[self.groups[self._row_robot]]
+        left, at = self._y.copy(), 0
+        for cause, _ in terms:
+            x = self._x[cause.name]
+            left -= (x * mine[:, at : at + x.shape[1]]).sum(axis=1)
+            at += x.shape[1]
+        return np.column_stack([left, np.zeros((len(left), 2))])
+
+
+class SenseToy(SenseProblem):
+    """The engine of the senses on a linear channel."""
+
+    def __init__(self, y: FloatArray, columns: Mapping[str, FloatArray]) -> None:
+        """Prepare; shapes as `MotionToy`, terms shared by all robots unless they name one."""
+        robots, blocks, rows = y.shape
+        total = y.size
+        self.sight: Any = SimpleNamespace(
+            robots=tuple(range(robots)),
+            block=np.repeat(np.arange(robots * blocks), rows),
+            rows_of=lambda k: slice(k * blocks * rows, (k + 1) * blocks * rows),
+            read=np.zeros((total, 16)),
+        )
+        self.base = []
+        self.use = np.zeros((total, 16), dtype=np.bool_)
+        self.use[:, 0] = True
+        self.noise = np.ones((total, 16))
+        self.blocks = robots * blocks
+        self.fold = np.arange(self.blocks) % SENSE_FOLDS
+        self._y = y.ravel()
+        self._x = {name: x.reshape(total, -1) for name, x in columns.items()}
+
+    def residual(self, terms: Any, coordinates: FloatArray, robots: Any = None) -> FloatArray:
+        """(rows, 16) errors, all of them in the first sensor."""
+        left, at = self._y.copy(), 0
+        for term in terms:
+            x, rows = self._x[term.cause.name], self.rows(term)
+            left[rows] -= x[rows] @ coordinates[at : at + term.size]
+            at += term.size
+        return np.column_stack([left, np.zeros((len(left), 15))])
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """What an engine says of one term fitted to each of some logs."""
+
+    value: FloatArray
+    """(logs, p)."""
+    covariance: FloatArray
+    """(logs, p, p)."""
+    gain: FloatArray
+    """(logs,) held-out squared errors, in noise, that the term takes off."""
+    fold: Rows = field(repr=False)
+    """(blocks,) which blocks of the first log are held out together."""
+
+
+def fit_motion(y: FloatArray, x: FloatArray, *, at: FloatArray | None = None) -> Fitted:
+    """The engine of motion; each log a robot. `at` (logs, p): coordinates that are not fitted."""
+    problem = MotionToy(y, {"x": x})
+    term = motion_term("x", x.shape[3])
+    none = problem.at((), np.zeros((len(y), 0)))
+    start = np.zeros((len(y), x.shape[3]))
+    fit = problem.fit((term,), [start]) if at is None else problem.at((term,), at)
+    gain = problem.by_group(problem.gain(none, fit)) / ((MOTION_DEGREES + 1.0) / MOTION_DEGREES)
+    fold = np.arange(y.shape[1]) % 5
+    return Fitted(fit.coordinates, fit.covariance, gain, fold)
+
+
+def fit_senses(y: FloatArray, x: FloatArray, *, at: FloatArray | None = None) -> Fitted:
+    """The engine of the senses; each log a problem of its own."""
+    values, covariances, gains = [], [], []
+    for k in range(len(y)):
+        problem = SenseToy(y[k : k + 1], {"x": x[k : k + 1]})
+        term = sense_term("x", x.shape[3])
+        none = problem.fit((), np.zeros(0))
+        if at is None:
+            fit = problem.fit((term,), np.zeros(x.shape[3]))
+        else:
+            residual = problem.residual((term,), at[k])
+            columns = problem.columns((term,), at[k], residual)
+            fit = problem.finished((term,), at[k], residual, columns)
+        values.append(fit.coordinates)
+        covariances.append(fit.covariance)
+        gains.append(float((none.held_out - fit.held_out).sum()))
+    gain = np.array(gains) / ((SENSE_DEGREES + 1.0) / SENSE_DEGREES)
+    fold = np.arange(y.shape[1]) % SENSE_FOLDS
+    return Fitted(np.array(values), np.array(covariances), gain, fold)
+
+
+ENGINES = {"motion": fit_motion, "senses": fit_senses}
