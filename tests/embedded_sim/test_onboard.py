@@ -162,6 +162,24 @@ def test_avoidance_turns_away_from_the_nearer_side_and_commits_half_a_second() -
     assert turning == 12  # 13 steps of 40 ms with the first: half a second, rounded up
 
 
+@pytest.mark.parametrize(("wait", "again"), [(5, True), (11, True), (13, False), (20, False)])
+def test_an_obstacle_met_soon_after_a_turn_is_turned_from_the_same_way(
+    wait: int, again: bool
+) -> None:
+    """The turn takes 13 steps of 40 ms and is remembered for as many: an obstacle on the other side
+    is turned from as the first was, until then."""
+    script = Script()
+    script.ps[0, 0] = 1000.0  # front right
+    script.run(range(1))
+    script.ps[:] = 0.0
+    script.run(range(1, 13 + wait))
+    assert script.swarm.commands[0, 1] > 0.0
+    script.ps[0, 7] = 1000.0  # front left
+    script.run(range(13 + wait, 14 + wait))
+    left = [-4.0, 4.0]
+    assert script.swarm.commands[0] == pytest.approx(left if again else left[::-1])
+
+
 def test_phototaxis_turns_towards_or_away_from_the_light() -> None:
     for genome, side in ((0.9, 1), (0.1, -1)):
         script = Script(breeder=Fixed((0.5, genome)))
