@@ -54,6 +54,14 @@ def test_fitness_is_the_time_left_at_each_deposit_summed() -> None:
     assert result.fitness[inside] == pytest.approx(by_hand, rel=1e-12)
 
 
+def test_no_food_lies_at_home() -> None:
+    """Robots that cannot move, in a nest that covers all but a sliver: those by the sliver are
+    paid, the others would be only for food in the nest."""
+    model = replace(load_model(), drive=Drive(speed_limit=(0.0, 0.0)), nest=(0.5, 0.0, 1.05))
+    paid = forage(SEARCH, NO_LIGHT, 300, replace(model, food_radius=0.1, food_items=32)) > 0.0
+    assert 0.0 < paid.mean() < 0.2
+
+
 def test_the_same_seeds_give_the_same_bits_and_others_do_not() -> None:
     arguments = {"model": load_model(), "behaviour": Behaviour()}
     genomes, scenarios = np.tile(POSITIVE, (50, 1)), np.full(50, AT_NEST)

@@ -162,6 +162,27 @@ def test_avoidance_turns_away_from_the_nearer_side_and_commits_half_a_second() -
     assert turning == 12  # 13 steps of 40 ms with the first: half a second, rounded up
 
 
+def test_search_turns_as_often_to_either_side() -> None:
+    script = Script(robots=20)
+    turned = np.zeros(2)
+    for step in range(1500):
+        script.run(range(step, step + 1))
+        left, right = script.swarm.commands.T
+        turned += [(left < right).sum(), (left > right).sum()]
+    assert turned[0] / turned.sum() == pytest.approx(0.5, abs=0.06)
+
+
+def test_what_is_fainter_than_a_lamp_is_not_followed() -> None:
+    """Forty counts are five times the noise of a light sensor."""
+    commands = []
+    for contrast in (0.0, 35.0, 45.0):
+        script = Script(breeder=Fixed((0.5, 0.9)))
+        script.ls[0, 5] -= contrast
+        script.run(range(1))
+        commands.append(script.swarm.commands[0].tolist())
+    assert commands[0] == commands[1] != commands[2]
+
+
 @pytest.mark.parametrize(("wait", "again"), [(5, True), (11, True), (13, False), (20, False)])
 def test_an_obstacle_met_soon_after_a_turn_is_turned_from_the_same_way(
     wait: int, again: bool

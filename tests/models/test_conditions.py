@@ -3,7 +3,7 @@ import pandas as pd
 import pytest
 
 from embedded_sim import Drive
-from models.conditions import nearest_robot
+from models.conditions import NEAR_ROBOT, NEAR_WALL, clear, nearest_robot
 from models.log import make_log
 from tests.models.small import driven_log
 
@@ -49,3 +49,15 @@ def test_at_one_rate_it_is_the_distance_at_that_moment(robots):
     log = make_log(driven_log(3, robots=robots, rows=300), drive=DRIVE)
     found, right = nearest_robot(log), expected(log)
     assert np.allclose(found, np.where(right < 1.0, right, np.inf))
+
+
+def test_only_what_is_away_from_walls_and_robots_is_clear_of_contact():
+    near, far = -1e-3, 1e-3
+    table = pd.DataFrame(
+        {
+            "near_robot": NEAR_ROBOT + np.array([far, near, far, near]),
+            "near_wall": NEAR_WALL + np.array([far, far, near, near]),
+        }
+    )
+    assert clear(table).tolist() == [True, False, False, False]
+    assert clear(table.drop(columns="near_wall")).tolist() == [True, False, True, False]

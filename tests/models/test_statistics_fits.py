@@ -86,7 +86,7 @@ def test_a_95_per_cent_interval_holds_the_truth_in_95_per_cent_of_logs(
     the size at which each engine takes its weights for its curvature: small in motion, those of
     the noise in the senses."""
     random = np.random.default_rng(4)
-    logs, blocks, truth = 500, 40, 0.7
+    logs, blocks, truth = 800, 40, 0.7
     y = wide * random.normal(size=(logs, blocks, rows))
     y += wide * random.normal(size=(logs, blocks, 1))
     x = random.choice([-1.0, 1.0], (logs, blocks, 1, 1)) + np.zeros((logs, blocks, rows, 1))

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from embedded_sim import Drive, InputError
+from models.conditions import Bins
+from models.flips import residual_maps, scores
 from models.frames import Windows
 from models.log import make_log
 from models.motion_gap import _unshrunk
@@ -70,3 +72,20 @@ def test_commands_in_rpm_are_refused() -> None:
     frame[["cmd_left", "cmd_right"]] *= 60.0 / (2.0 * np.pi)
     with pytest.raises(InputError, match="revolutions per minute"):
         make_log(frame, drive=drive)
+
+
+def test_noise_that_lasts_as_long_as_a_block_is_structure_no_more_often_than_stated() -> None:
+    """Twenty windows of a block err alike: turned together they are chance, one by one structure.
+    So many families as are judged together share one rate of false alarms."""
+    random = np.random.default_rng(4)
+    blocks, windows, number = 40, 20, 30
+    label = np.repeat(np.arange(blocks), windows)
+    groups = {"place": Bins(np.arange(len(label)) * 4 // len(label), tuple("abcd"), (0.0,) * 4)}
+
+    def smallest(family: int) -> float:
+        error = np.repeat(random.normal(size=(blocks, 1)), windows, axis=0)
+        found = scores(error, np.ones_like(error), label)
+        return min(m.p for m in residual_maps(found, groups, ("a",), random, family=family))
+
+    assert np.mean([smallest(1) <= 0.05 for _ in range(number)]) <= 0.2
+    assert np.mean([smallest(5) <= 0.25 for _ in range(number)]) <= 0.2

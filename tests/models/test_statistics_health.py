@@ -7,10 +7,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from embedded_sim import Drive
 from embedded_sim.model import FloatArray
 from models.identify import healthy as motion
 from models.identify.hypothesis import Fit
 from models.identify.structure import pool
+from models.reference import Spread, no_reference
 from models.senses import health as senses
 from models.senses.reference import no_sense_reference
 from models.senses.structure_health import _band, of_healthy
@@ -132,3 +134,14 @@ def test_of_logs_that_are_alike_a_new_one_is_seldom_the_most_conspicuous() -> No
         )
 
     assert np.mean([passes(log()) for _ in range(new)]) < 3.0 / (logs + 1)
+
+
+def test_a_robot_is_held_against_robots_and_a_swarm_against_swarms() -> None:
+    spread = Spread(
+        mean=(1.0,), sd=(2.0,), swarm_mean=(3.0,), swarm_sd=(4.0,), farthest=8.0, swarm_farthest=6.0
+    )
+    known = no_reference("toy", Drive()).model_copy(update={"terms": {"a": spread}})
+    assert known.gate("a") == pytest.approx(8.0 * known.gates.margin)
+    assert known.gate("a", swarm=True) == pytest.approx(6.0 * known.gates.margin)
+    assert [float(v[0]) for v in known.spread("a", 1)] == [1.0, 2.0]
+    assert [float(v[0]) for v in known.spread("a", 1, swarm=True)] == [3.0, 4.0]

@@ -1,0 +1,42 @@
+"""The list of changes that tests must notice is kept with the code it changes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from tests import mutants
+
+
+def test_every_change_of_the_list_applies_once_and_has_its_tests() -> None:
+    assert mutants.stale(mutants.read()) == []
+
+
+def test_the_list_reaches_every_room() -> None:
+    listed = mutants.read()
+    rooms = [one.file.split("/")[0] for one in listed]
+    assert len(listed) >= 60
+    assert min(rooms.count(room) for room in ("embedded_sim", "reality", "models", "studies")) >= 10
+
+
+def test_a_list_that_no_longer_fits_is_told_line_by_line() -> None:
+    one = mutants.read()[0]
+    bad = [
+        one,
+        replace(one, name="other"),
+        replace(one, old="no such text", new="x"),
+        replace(one, name="a", file="nowhere.py", new="y"),
+        replace(one, name="b", new=one.old, tests=("tests/test_nothing.py",)),
+    ]
+    said = mutants.stale(bad)
+    assert f"other: the same change as {one.name}" in said
+    assert f"{one.name}: twice in the list" in said
+    assert any("found 0 times" in line for line in said)
+    assert any(line.startswith("a: old text found 0 times in nowhere.py") for line in said)
+    assert {"b: changes nothing", "b: no test tests/test_nothing.py"} <= set(said)
+
+
+def test_changes_of_c_are_behind_their_numbers() -> None:
+    one = replace(mutants.read()[0], file="a.c", old="x + 1", new="x")
+    other = replace(one, old="y", new="0")
+    text = mutants.changed("f(x + 1, y)", [one, other], [3, 7])
+    assert text == "f((rg_mutant(3) ? (x) : (x + 1)), (rg_mutant(7) ? (0) : (y)))"
