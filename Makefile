@@ -19,7 +19,7 @@ CORE_H := $(wildcard embedded_sim/core/*.h)
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help demo test slow lint bench asan fuzz fuzz-core blind clean
+.PHONY: help demo test slow lint mutants bench asan fuzz fuzz-core blind clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -39,6 +39,9 @@ lint: $(STAMP) ## style, types, import rules, C formatting
 	$(BIN)/mypy $(PACKAGES)
 	$(BIN)/lint-imports
 	$(BIN)/clang-format --dry-run --Werror $(C_FILES)
+
+mutants: $(STAMP) ## whether the tests notice the faults listed in tests/mutants.toml; by hand only
+	$(BIN)/python -m tests.mutants $(ONLY)
 
 bench: $(STAMP) ## the benchmarks; numbers in out/bench.json
 	$(BIN)/python -m studies.bench

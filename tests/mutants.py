@@ -14,7 +14,7 @@ import subprocess
 import sys
 import time
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -33,6 +33,7 @@ SECONDS = 1800.0
 """s after which tests are stopped; our choice, far beyond what any of them needs."""
 PASSED, FAILED = 0, 1
 """Exit codes of pytest; all others mean that the tests could not be run."""
+WORDS: Mapping[int | None, str] = {FAILED: "killed", PASSED: "SURVIVED"}
 
 SWITCH = """
 char *getenv(const char *);
@@ -216,10 +217,9 @@ def survivors(mutants: Sequence[Mutant], everything: Sequence[Mutant], console: 
             with made(tree, one):
                 found = judged(tree, one.tests, everything.index(one) + 1)
             trees.put(tree)
-            word = {FAILED: "killed", PASSED: "SURVIVED"}.get(found.code or 0, "NOT RUN")
-            if found.code is None:
-                word = "NOT RUN"
-            more = {"killed": "", "SURVIVED": f" ({one.file}): {one.why}"}.get(word, found.said)
+            word = WORDS.get(found.code, "NOT RUN")
+            texts: Mapping[int | None, str] = {PASSED: f"({one.file}): {one.why}", FAILED: ""}
+            more = texts.get(found.code, found.said)
             took = f"{time.perf_counter() - began:6.1f} s"
             console.print(f"{word:8} {took}  {one.name} {more}", soft_wrap=True, highlight=False)
             return found

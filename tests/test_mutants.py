@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from io import StringIO
+
+import pytest
+from rich.console import Console
 
 from tests import mutants
 
@@ -40,3 +44,19 @@ def test_changes_of_c_are_behind_their_numbers() -> None:
     other = replace(one, old="y", new="0")
     text = mutants.changed("f(x + 1, y)", [one, other], [3, 7])
     assert text == "f((rg_mutant(3) ? (x) : (x + 1)), (rg_mutant(7) ? (0) : (y)))"
+
+
+@pytest.mark.slow
+def test_a_fault_that_no_test_notices_is_told() -> None:
+    listed = {one.name: one for one in mutants.read()}
+    heard, compiled = listed["unshrunk"], listed["turn-memory-ignored"]
+    unheard = replace(heard, name="unheard", tests=("tests/models/test_conditions.py",))
+    said = StringIO()
+    tried = [heard, compiled, unheard]
+    assert mutants.survivors(tried, tried, Console(file=said)) == 1
+    lines = {line.split()[3]: line.split()[0] for line in said.getvalue().splitlines()}
+    assert lines == {
+        "unshrunk": "killed",
+        "turn-memory-ignored": "killed",
+        "unheard": "SURVIVED",
+    }
