@@ -8,32 +8,41 @@ once, with all its changes behind a switch. By hand only: `make mutants`, or som
 
 from __future__ import annotations
 
+import importlib
+import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from queue import SimpleQueue
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
+import pytest
 from rich.console import Console
 
 ROOT = Path(__file__).parents[1]
 LIST = Path(__file__).with_suffix(".toml")
 JOBS = os.cpu_count() or 1
 """Copies of the tree that are worked in at once."""
-SECONDS = 1800.0
+SECONDS = 1800
 """s after which tests are stopped; our choice, far beyond what any of them needs."""
-PASSED, FAILED = 0, 1
-"""Exit codes of pytest; all others mean that the tests could not be run."""
-WORDS: Mapping[int | None, str] = {FAILED: "killed", PASSED: "SURVIVED"}
+SERVE, SAID = "--serve", "mutant.out"
+"""The word by which this module runs tests in a copy, and the file there that has what they say."""
+LIBRARIES = ("scipy.stats", "pandas", "pyarrow.parquet", "pydantic")
+"""What nearly all tests import, loaded once: nothing of this project, which changes, and nothing
+that pytest loads itself."""
+PASSED, FAILED, BROKEN = 0, 1, 3
+"""Exit codes of pytest; all others mean, as the last, that the tests could not be run."""
+WORDS = {FAILED: "killed", PASSED: "SURVIVED"}
 
 SWITCH = """
 char *getenv(const char *);
@@ -54,8 +63,8 @@ file would find its headers read without the names that it needs."""
 class Outcome(NamedTuple):
     """What became of some tests."""
 
-    code: int | None
-    """Of pytest; None: they did not end."""
+    code: int
+    """Of pytest; negative: a signal ended it."""
     failed: tuple[str, ...]
     said: str
     """The last line."""
@@ -156,32 +165,66 @@ def built(tree: Path, mutants: Sequence[Mutant]) -> None:
     subprocess.run([sys.executable, "-m", "compileall", "-q", "."], cwd=tree, check=True)
 
 
-def _environment(tree: Path, number: int = 0) -> dict[str, str]:
+def _environment(tree: Path) -> dict[str, str]:
+    """Of what runs in a copy: its own modules come first, and hypothesis, told by CI, draws the
+    same examples every time and sets no deadline that a busy machine would miss."""
     own = {k: v for k, v in os.environ.items() if k != "REALITYGAP_DEVELOPMENT"}
-    return {**own, "PYTHONPATH": str(tree), "RG_MUTANT": str(number)}
+    return {**own, "CI": "1", "PYTHONPATH": str(tree)}
 
 
-def judged(tree: Path, tests: Sequence[str], number: int = 0) -> Outcome:
-    """Run tests in a copy until one fails."""
-    # no byte code is kept: a file changed twice within a second would be taken for unchanged
-    command = [sys.executable, "-B", "-m", "pytest", "-q", "-p", "no:cacheprovider"]
-    spread = ["-n", str(JOBS)] if number == 0 and JOBS > 1 else ["-x", "-p", "no:xdist"]
-    try:
-        run = subprocess.run(
-            [*command, *spread, *tests],
+class Copy:
+    """A copy of the tree, and a process in it that runs tests."""
+
+    def __init__(self, tree: Path) -> None:
+        self.tree = tree
+        # no byte code is kept: a file changed twice within a second would be taken for unchanged
+        self._server = subprocess.Popen(
+            [sys.executable, "-B", "-m", "tests.mutants", SERVE],
             cwd=tree,
-            env=_environment(tree, number),
-            capture_output=True,
+            env=_environment(tree),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
             text=True,
-            check=False,
-            timeout=SECONDS,
         )
-    except subprocess.TimeoutExpired:
-        return Outcome(None, (), f"no end after {SECONDS:g} s")
-    lines = (run.stdout.strip() or run.stderr.strip() or "nothing said").splitlines()
-    failed = [line.split(" - ")[0] for line in lines if line.startswith("FAILED ")]
-    names = tuple(line.removeprefix("FAILED ") for line in failed)
-    return Outcome(run.returncode, names, lines[-1])
+
+    def close(self) -> None:
+        """End the process."""
+        self._server.communicate()
+
+    def judged(self, tests: Sequence[str], number: int = 0) -> Outcome:
+        """Run tests, with a change of the C switched on."""
+        assert self._server.stdin is not None
+        assert self._server.stdout is not None
+        self._server.stdin.write(json.dumps([number, *tests]) + "\n")
+        self._server.stdin.flush()
+        code = int(self._server.stdout.readline())
+        lines = (self.tree / SAID).read_text(encoding="utf-8").strip().splitlines()
+        failed = [line.split(" - ")[0] for line in lines if line.startswith("FAILED ")]
+        names = tuple(line.removeprefix("FAILED ") for line in failed)
+        if code == FAILED and not names:
+            code = BROKEN
+        return Outcome(code, names, lines[-1] if lines else "nothing said")
+
+
+def serve() -> None:
+    """In a copy: run the tests asked for line by line, each time in a fork that begins with the
+    libraries loaded, and answer with pytest's exit code."""
+    for library in LIBRARIES:
+        importlib.import_module(library)
+    for line in sys.stdin:
+        number, *tests = json.loads(line)
+        child = os.fork()
+        if child == 0:
+            os.environ["RG_MUTANT"] = str(number)
+            out = os.open(SAID, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+            os.dup2(out, 1)
+            os.dup2(out, 2)
+            signal.alarm(SECONDS)
+            code = pytest.main(["-q", "-p", "no:cacheprovider", "-p", "no:xdist", *tests])
+            sys.stdout.flush()
+            os._exit(code)
+        sys.stdout.write(f"{os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])}\n")
+        sys.stdout.flush()
 
 
 @contextmanager
@@ -202,39 +245,48 @@ def survivors(mutants: Sequence[Mutant], everything: Sequence[Mutant], console: 
 
     A test that fails with a change must pass without: those that failed are run once more.
     """
-    with TemporaryDirectory(prefix="mutants-") as scratch:
-        trees: SimpleQueue[Path] = SimpleQueue()
+    with TemporaryDirectory(prefix="mutants-") as scratch, ExitStack() as stack:
         first = Path(scratch) / "0"
         copied(first)
         built(first, everything)
-        for k in range(1, min(JOBS, len(mutants))):
-            shutil.copytree(first, Path(scratch) / str(k))
-            trees.put(Path(scratch) / str(k))
-        trees.put(first)
+        free: SimpleQueue[Copy] = SimpleQueue()
+        for k in range(JOBS):
+            if k:
+                shutil.copytree(first, Path(scratch) / str(k))
+            copy = Copy(Path(scratch) / str(k))
+            stack.callback(copy.close)
+            free.put(copy)
 
         def tried(one: Mutant) -> Outcome:
-            tree, began = trees.get(), time.perf_counter()
-            with made(tree, one):
-                found = judged(tree, one.tests, everything.index(one) + 1)
-            trees.put(tree)
-            word = WORDS.get(found.code, "NOT RUN")
-            texts: Mapping[int | None, str] = {PASSED: f"({one.file}): {one.why}", FAILED: ""}
-            more = texts.get(found.code, found.said)
+            copy, began = free.get(), time.perf_counter()
+            with made(copy.tree, one):
+                found = copy.judged(one.tests, everything.index(one) + 1)
+            free.put(copy)
+            texts = {PASSED: f"({one.file}): {one.why}", FAILED: ""}
+            word, more = WORDS.get(found.code, "NOT RUN"), texts.get(found.code, found.said)
             took = f"{time.perf_counter() - began:6.1f} s"
             console.print(f"{word:8} {took}  {one.name} {more}", soft_wrap=True, highlight=False)
             return found
 
+        def unchanged(tests: Sequence[str]) -> Outcome:
+            copy = free.get()
+            found = copy.judged(tests) if tests else Outcome(PASSED, (), "")
+            free.put(copy)
+            return found
+
         with ThreadPoolExecutor(JOBS) as pool:
             found = dict(zip(mutants, pool.map(tried, mutants), strict=True))
-        killed = {one: tuple(was.failed) for one, was in found.items() if was.code == FAILED}
-        witnesses = sorted({name for names in killed.values() for name in names})
-        sound = judged(first, witnesses) if witnesses else Outcome(PASSED, (), "")
-        if sound.code not in (PASSED, FAILED):
-            console.print(f"without any change: {sound.said}", highlight=False)
-            return len(mutants)
-        for name in sound.failed:
-            console.print(f"fails without any change: {name}", soft_wrap=True, highlight=False)
-        return sum(not set(killed.get(one, ())) - set(sound.failed) for one in mutants)
+            killed = {one: was.failed for one, was in found.items() if was.code == FAILED}
+            witnesses = sorted({name for names in killed.values() for name in names})
+            sound = list(pool.map(unchanged, [witnesses[k::JOBS] for k in range(JOBS)]))
+    unsound = {name for part in sound for name in part.failed}
+    for part in sound:
+        if part.code != PASSED:
+            console.print(f"without any change: {part.said}", soft_wrap=True, highlight=False)
+            unsound |= set() if part.failed else set(witnesses)
+    for name in sorted(unsound):
+        console.print(f"fails without any change: {name}", soft_wrap=True, highlight=False)
+    return sum(not set(killed.get(one, ())) - unsound for one in mutants)
 
 
 def main(names: Sequence[str]) -> int:
@@ -255,4 +307,7 @@ def main(names: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    if sys.argv[1:] == [SERVE]:
+        serve()
+    else:
+        sys.exit(main(sys.argv[1:]))

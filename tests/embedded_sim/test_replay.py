@@ -115,6 +115,13 @@ def test_wheels_stand_still_when_the_battery_is_empty() -> None:
     assert np.diff(path[260:, 0]).max() == 0.0  # from 10 s on
 
 
+def test_a_battery_is_as_old_as_the_log_whatever_its_clock_says() -> None:
+    t, commands = np.arange(100) * 0.04, np.full((100, 2), 5.0)
+    drive = Drive(droop_rate=0.05)
+    paths = [replay(t + at, commands, [0, 100], [[0, 0, 0]], drive=drive).poses for at in (0, 1e3)]
+    np.testing.assert_allclose(*paths, atol=1e-9)
+
+
 def test_segments_are_replayed_apart() -> None:
     t = [0.0, 1.0, 0.0, 1.0]
     commands = [[1, 1], [1, 1], [2, 2], [2, 2]]

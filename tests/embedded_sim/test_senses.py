@@ -159,3 +159,16 @@ def test_a_table_that_is_continued_says_the_same_as_before_within_its_reach() ->
     captured = replace(NOMINAL, lamps=(None, None, (0.6 + shift[0], shift[1])))
     continued = believing(lamp_shift=(-0.1, 0.3), second_lamp=(3.0, 3.0, 0.0))
     np.testing.assert_allclose(lit(continued, poses), lit(captured, poses), atol=1e-3)
+
+
+def test_infrared_falls_with_the_cosine_of_the_angle_at_which_a_ray_meets_the_wall() -> None:
+    tables = NOMINAL.tables
+    cosine = np.linspace(0.0, 1.0, tables.ps_counts.shape[2])
+    even = np.ascontiguousarray(
+        np.broadcast_to(1000.0 * cosine, tables.ps_counts.shape), np.float32
+    )
+    model = replace(NOMINAL, tables=replace(tables, ps_counts=even))
+    x, radius = 0.5, NOMINAL.arena_radius
+    for turned in (0.0, 0.4, 0.8):
+        read = readings([[x, 0.0, turned - SENSOR_ANGLES[0]]], [NO_LIGHT], model=model).ps[0, 0]
+        assert read == pytest.approx(1000.0 * math.sqrt(1.0 - (x * math.sin(turned) / radius) ** 2))
