@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from embedded_sim import Behaviour, InputError
+from embedded_sim import Behaviour, InputError, breeding
 from embedded_sim.breeding import Bred, CoEvolution, Fixed
 from embedded_sim.model import FloatArray
 from embedded_sim.onboard import GENERATION_STEPS, Swarm
 from embedded_sim.reading import READINGS
+from embedded_sim.simulator import Evaluation
 from models import load_model
 
 SEARCH = Fixed((0.5, 0.5))
@@ -131,6 +132,25 @@ def test_the_reading_decides_which_s0_bred_the_controller(name: str, moves: bool
     first = breeder.start(0)
     second = breeder.breed(0, np.array([[first.s0, 10.0]]))
     assert (second.s0 == bred_under[-1]) == moves
+
+
+def test_of_ten_controllers_the_fittest_is_deployed(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[FloatArray] = []
+
+    def fitness(genomes: FloatArray, *_: object, **__: object) -> Evaluation:
+        seen.append(genomes)
+        return Evaluation(np.array([3.0, 1, 4, 1, 5, 9, 2, 6, 5, 3]), np.zeros(10, dtype=np.int32))
+
+    monkeypatch.setattr(breeding, "evaluate", fitness)
+    breeder = CoEvolution(
+        [np.random.SeedSequence(5)],
+        models=[load_model()],
+        behaviour=Behaviour(),
+        reading=READINGS["default"],
+    )
+    bred = breeder.start(0)
+    assert bred.genome == tuple(seen[0][5])
+    assert bred.fitness_sim == 9.0
 
 
 def test_the_deployed_controller_is_the_best_in_the_embedded_simulator() -> None:
