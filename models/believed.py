@@ -6,13 +6,14 @@ replayed robot by robot.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from embedded_sim import PointModel, Tables
 from embedded_sim.model import FloatArray
 from models.causes import Motion
+from models.frames import Rows
 from models.identify.predict import driven
 from models.log import MeasuredLog
 from models.modelfile import ModelFile
@@ -56,12 +57,20 @@ def replay_believed(log: MeasuredLog, believed: Mapping[int, Motion]) -> FloatAr
         return replay_log(log, first.drive)
     seen = np.empty((len(log.t), 3))
     for motion, segments in alike.items():
-        rows = np.concatenate([np.arange(*log.start[k : k + 2]) for k in segments])
-        cut = np.concatenate([[0], np.cumsum([log.start[k + 1] - log.start[k] for k in segments])])
-        commands = np.ascontiguousarray(log.commands[rows])
-        late = motion.motor_delay + motion.pose_delay
-        seen[rows] = as_seen(driven(log.t[rows], commands, cut, motion.drive, late), motion)
+        rows, poses = replay_segments(log, segments, motion)
+        seen[rows] = poses
     return seen
+
+
+def replay_segments(
+    log: MeasuredLog, segments: Sequence[int], motion: Motion
+) -> tuple[Rows, FloatArray]:
+    """Rows of some segments, and (those rows, 3) poses the tracker should have seen, as above."""
+    rows = np.concatenate([np.arange(*log.start[k : k + 2]) for k in segments])
+    cut = np.concatenate([[0], np.cumsum([log.start[k + 1] - log.start[k] for k in segments])])
+    commands = np.ascontiguousarray(log.commands[rows])
+    late = motion.motor_delay + motion.pose_delay
+    return rows, as_seen(driven(log.t[rows], commands, cut, motion.drive, late), motion)
 
 
 def as_seen(poses: FloatArray, motion: Motion) -> FloatArray:

@@ -1,25 +1,30 @@
 """The diagnosis: verdict, causes, what stays unexplained, and `diagnosis.json`.
 
-The verdict is one of four. `nothing_wrong`: nothing beyond what healthy robots show. `named`:
-causes that account for what was found. `ambiguous`: at least one cause has a rival that the log
-cannot tell from it. `unexplained`: a difference from health remains that no cause accounts for.
+The verdict is one of five. `nothing_wrong`: nothing beyond what healthy robots show, in a log that
+would have shown it. `cannot_tell`: nothing either, but of some robot the log would not have shown
+even a large fault. `named`: causes that account for what was found. `ambiguous`: at least one cause
+has a rival that the log cannot tell from it. `unexplained`: a difference from health remains that
+no cause accounts for, or a cause was seen with which the model would predict worse.
 """
 
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from models.extension import Extension, NamedCause, ParameterValue
+from models.extension import Extension
 from models.identify.swarm import Named
 from models.opened import opened
 from models.proposal.menu import Proposal
 from models.table_files import MOST_BYTES
+from models.used import Used
+from models.written import written
 
-SCHEMA = 1
-Verdict = Literal["named", "nothing_wrong", "unexplained", "ambiguous"]
+SCHEMA = 2
+Verdict = Literal["named", "nothing_wrong", "cannot_tell", "unexplained", "ambiguous"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,13 +44,35 @@ class Unexplained:
 
 @dataclass(frozen=True, kw_only=True)
 class Gain:
-    """Prediction error before and after, with a 95 % interval of the second."""
+    """Mean absolute error of a prediction, on parts of the log that no value was fitted to."""
 
     before: float
+    """By the model as it was."""
     after: float
+    """By the extended model, read back from the text of its file."""
     low: float
+    """Of `after`, 95 % by resampling blocks."""
     high: float
+    healthy: float | None
+    """What the minimal model is off of a healthy robot under the same commands; None: nobody knows
+    what healthy robots do."""
     unit: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Detectable:
+    """From which size on a cause would have been seen in this log."""
+
+    cause: str
+    parameter: str
+    unit: str
+    null: float | None
+    """None: infinite."""
+    size: float | None
+    """Departure from the null; of an infinite one the value below which it would have been seen.
+    None: it would not have been seen."""
+    robot: int
+    """In which it would have been seen worst."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,6 +82,11 @@ class Diagnosis:
     named: tuple[Named, ...]
     unexplained: tuple[Unexplained, ...] = ()
     gain: dict[str, Gain] = field(default_factory=dict)
+    detectable: tuple[Detectable, ...] = ()
+    untold: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
+    """By robot that cannot be called sound, the causes that could be unseen in it."""
+    used: tuple[Used, ...] = ()
+    """How much of each robot's time could be used."""
     not_checked: tuple[str, ...] = ()
     """What could not be looked at, and why, in words."""
     notes: tuple[str, ...] = ()
@@ -68,11 +100,13 @@ class Diagnosis:
     @property
     def verdict(self) -> Verdict:
         """The verdict in one word."""
-        if self.unexplained:
+        if self.unexplained or not all(one.exported for one in self.named):
             return "unexplained"
         if any(alternatives(cause) for cause in self.named):
             return "ambiguous"
-        return "named" if self.named else "nothing_wrong"
+        if self.named:
+            return "named"
+        return "cannot_tell" if self.untold else "nothing_wrong"
 
 
 def alternatives(named: Named) -> list[str]:
@@ -121,15 +155,11 @@ def as_json(found: Diagnosis) -> dict[str, Any]:
             for one in found.unexplained
         ],
         "next_experiment": next_experiment(found),
-        "gain": {
-            name: {
-                "before": g.before,
-                "after": g.after,
-                "low": g.low,
-                "high": g.high,
-                "unit": g.unit,
-            }
-            for name, g in found.gain.items()
+        "gain": {name: asdict(gain) for name, gain in found.gain.items()},
+        "detectable": {one.cause: _detectable(one) for one in found.detectable},
+        "log": {
+            "robots": [one._asdict() for one in found.used],
+            "cannot_tell": {str(robot): list(names) for robot, names in found.untold.items()},
         },
         "robots": list(found.robots),
         "reference": found.reference,
@@ -152,32 +182,24 @@ def _cause(named: Named) -> dict[str, Any]:
         "parameters": parameters,
         "evidence": {
             "held_out_gain": named.evidence.share,
-            "p_value": named.evidence.p_value,
+            "score": named.evidence.score,
             "deviance": named.evidence.gain,
             "distance": named.evidence.distance,
         },
         "alternatives": alternatives(named),
+        "exported": named.exported,
+        "why": named.why or None,
     }
 
 
+def _detectable(one: Detectable) -> dict[str, Any]:
+    return {name: value for name, value in asdict(one).items() if name != "cause"}
+
+
 def extension(found: Diagnosis, *, log_hash: str, command: str) -> Extension:
-    """The named causes as a model file's `[extension]`."""
-    return Extension(
-        log=log_hash,
-        command=command,
-        causes=tuple(
-            NamedCause(
-                name=one.term.cause.name,
-                robots="all" if one.whole_swarm else one.robots,
-                word=one.term.variant,
-                parameters={
-                    v.name: ParameterValue(value=v.value, low=v.low, high=v.high, unit=v.unit)
-                    for v in (*one.values, *one.given)
-                },
-            )
-            for one in found.named
-        ),
-    )
+    """The named causes that are exported, as a model file's `[extension]`."""
+    causes = (written(one, one.values) for one in found.named if one.exported)
+    return Extension(log=log_hash, command=command, causes=tuple(causes))
 
 
 def file_hash(paths: list[Path]) -> str:

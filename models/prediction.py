@@ -22,6 +22,7 @@ from embedded_sim.model import FloatArray
 from models.believed import replay_believed
 from models.causes import Motion
 from models.conditions import clear, conditions
+from models.frames import Windows
 from models.log import MeasuredLog
 from models.modelfile import ModelFile
 from models.motion_gap import CLEAR_TO, throughout
@@ -60,8 +61,39 @@ COLUMNS = (
     "total",
     "number",
 )
+MOTION = {"position": "m", "heading": "rad"}
+"""Channels of motion and their units."""
 STRATA = 1 + max(len(edges) for edges in (CHANGES, *COUNTS.values()))
 Counts = npt.NDArray[np.int64]
+Bools = npt.NDArray[np.bool_]
+
+
+def judged_windows(log: MeasuredLog, free: Bools, length: float) -> Windows:
+    """Windows of a length (s; 0: one row) from every row, clear of contact where windows are short
+    enough for any to be.
+
+    Args:
+        log: Measured.
+        free: (rows,) tracked and clear of contact.
+        length: s.
+    """
+    pairs = windows(log, length)
+    if length > CLEAR_TO or not len(pairs.first):
+        return pairs
+    kept = throughout(free, pairs)
+    return Windows(pairs.first[kept], pairs.last[kept])
+
+
+def off(measured: FloatArray, replayed: FloatArray, pairs: Windows) -> FloatArray:
+    """(windows, 2) how far a prediction is off at each window's end, as in `MOTION`.
+
+    Args:
+        measured: (rows, 3).
+        replayed: (rows, 3) of a model.
+        pairs: The windows.
+    """
+    error = errors(measured, replayed, pairs)
+    return np.column_stack([np.hypot(error[:, 0], error[:, 1]), np.abs(error[:, 2])])
 
 
 class _Cells(NamedTuple):
@@ -142,21 +174,14 @@ def _motion(
     replayed = {name: replay_believed(log, motions) for name, motions in believed.items()}
     parts = []
     for horizon, length in HORIZONS.items():
-        pairs = windows(log, length)
-        if length <= CLEAR_TO and len(pairs.first):
-            kept = throughout(free, pairs)
-            pairs = type(pairs)(pairs.first[kept], pairs.last[kept])
+        pairs = judged_windows(log, free, length)
         if not len(pairs.first):
             continue
         before = np.maximum(pairs.first - LAST_ROWS, log.start[:-1][log.segment[pairs.first]])
         much = (changed[pairs.last] - changed[before]) / max(length, 1.0)
         stratum = np.searchsorted(CHANGES, much)
         for name, poses in replayed.items():
-            error = errors(log.poses, poses, pairs)
-            sizes = {
-                ("position", "m"): np.hypot(error[:, 0], error[:, 1]),
-                ("heading", "rad"): np.abs(error[:, 2]),
-            }
+            sizes = dict(zip(MOTION.items(), off(log.poses, poses, pairs).T, strict=True))
             for (channel, unit), size in sizes.items():
                 sums = cells.sums(robot[pairs.first], since[pairs.first], stratum, size)
                 labels = {"model": name, "kind": "motion", "channel": channel}
@@ -177,10 +202,7 @@ def _senses(
     none = [Belief(senses=point.senses)] * len(plain.robots)
     expected = predict(plain, point, none)
     use = plain.free & np.isfinite(plain.read)
-    judged = {
-        "ps": use[:, :SENSORS] & (expected[:, :SENSORS] > SEEN),
-        "ls": use[:, SENSORS:],
-    }
+    judged = judged_readings(use, expected)
     assert point.tables is not None
     strata = {
         "ps": np.searchsorted(COUNTS["ps"], expected[:, :SENSORS]),
@@ -207,12 +229,25 @@ def _senses(
     return parts
 
 
+def judged_readings(use: Bools, expected: FloatArray) -> dict[str, Bools]:
+    """(rows, 8) by kind: readings that are judged.
+
+    Args:
+        use: (rows, 16) readings that nothing but wall and lamp can have caused.
+        expected: (rows, 16) counts of the first model.
+    """
+    return {
+        "ps": use[:, :SENSORS] & (expected[:, :SENSORS] > SEEN),
+        "ls": use[:, SENSORS:],
+    }
+
+
 def _noise(
     sight: Sight,
     point: PointModel,
     beliefs: list[Belief],
     counts: FloatArray,
-    use: npt.NDArray[np.bool_],
+    use: Bools,
     name: str,
 ) -> pd.DataFrame:
     """One number per robot: size of the logarithm of the infrared's noise over the expected."""

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from embedded_sim.model import FloatArray
 from models.causes import Motion
-from models.identify.diagnose import Examination
+from models.identify.examination import Examination
 from models.identify.fit import Problem
 from models.identify.predict import poses
 from models.identify.swarm import Named

@@ -11,7 +11,7 @@ import pandas as pd
 
 from models.causes import causes
 from models.diagnosis import alternatives
-from models.identify.diagnose import Examination
+from models.identify.examination import Examination
 from models.senses.joined import WholeExamination
 from studies import diagnosis_figures as figures
 from studies import sense_figures

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+from scipy.special import log_ndtr
+
 from embedded_sim.model import FloatArray
 from models.identify.consistency import Misfit
 from models.identify.fit import Problem
@@ -24,14 +27,20 @@ class Evidence:
     """Held-out deviance that the set loses without it."""
     share: float
     """That gain relative to the deviance without it."""
-    p_value: float
-    """Of a healthy robot showing as much, normal tails."""
     distance: float
     """Standard deviations from the healthy value."""
     rivals: tuple[Term, ...] = ()
     """Terms that could stand in its place."""
     gains: tuple[tuple[str, float], ...] = ()
     """Held-out deviance that every term fitted at its turn took off, best first."""
+
+    @property
+    def score(self) -> float:
+        """How far beyond health, as -log10 of what normal tails leave beyond the distance.
+
+        No probability: the best of many terms is told, and the tails of health are not normal.
+        """
+        return float(-(np.log(2.0) + log_ndtr(-self.distance)) / np.log(10.0))
 
 
 class Replaced(NamedTuple):

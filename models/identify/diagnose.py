@@ -1,20 +1,19 @@
-"""From a measured log to a diagnosis: cut, identify, look for what is left, measure the gain."""
+"""From a measured log to a diagnosis: cut, identify, look for what is left, weigh the claims."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes import Motion, causes
+from models.causes import causes
 from models.causes.motor_dead_zone import least_seen
-from models.diagnosis import Diagnosis, Gain
+from models.claims import claimed
+from models.conditions import conditions
+from models.diagnosis import Diagnosis
 from models.identify.beside import standing
+from models.identify.examination import Examination
 from models.identify.leftover import leftover
-from models.identify.predict import poses
-from models.identify.structure import Follow, follows
-from models.identify.swarm import Identified, identify
+from models.identify.structure import follows
+from models.identify.swarm import identify
 from models.identify.tracks import Tracks, cut_tracks
 from models.identify.unmeasured import unmeasured
 from models.log import MeasuredLog
@@ -24,20 +23,6 @@ from models.reference import Reference, no_reference
 FEW_SECONDS = 30.0
 """s of free motion with which a robot can be judged at all; our choice, a quarter of what the
 blind battery's bars are stated for."""
-RESAMPLED = 400
-"""Bootstrap samples of blocks for the gain's interval."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Examination:
-    """A diagnosis and what it was drawn from, for the report."""
-
-    tracks: Tracks
-    model: ModelFile
-    reference: Reference
-    identified: Identified
-    structure: list[Follow]
-    diagnosis: Diagnosis
 
 
 def diagnose(
@@ -61,7 +46,8 @@ def diagnose(
         InputError: nothing in the log can be used, or the model's extension concerns a robot that
             the log does not have.
     """
-    tracks = cut_tracks(log, model)
+    table = conditions(log, model)
+    tracks = cut_tracks(log, model, table=table)
     if model.extension is not None:
         model.extension.check_robots(tracks.robots, name)
     believed = [model.motion(robot) for robot in tracks.robots]
@@ -70,26 +56,25 @@ def diagnose(
     structure = follows(tracks, found.explained)
     left = leftover(tracks, structure, found, healthy)
     found = standing(tracks, found, structure, left, healthy)
-    diagnosis = Diagnosis(
-        named=found.named,
-        unexplained=left,
-        gain=_gain(tracks, believed, found, np.random.default_rng(seed)),
-        not_checked=(
-            *_not_checked(tracks, reference),
-            *unmeasured(tracks, found.base, healthy, structure),
-        ),
-        notes=log.notes,
-        robots=tracks.robots,
-        reference="" if reference is None else reference.model,
-    )
-    return Examination(
+    examined = Examination(
         tracks=tracks,
         model=model,
         reference=healthy,
         identified=found,
         structure=structure,
-        diagnosis=diagnosis,
+        diagnosis=Diagnosis(
+            named=found.named,
+            unexplained=left,
+            not_checked=(
+                *_not_checked(tracks, reference),
+                *unmeasured(tracks, found.base, healthy, structure),
+            ),
+            notes=log.notes,
+            robots=tracks.robots,
+            reference="" if reference is None else reference.model,
+        ),
     )
+    return claimed(examined, log, table, seed=seed)
 
 
 def _not_checked(tracks: Tracks, reference: Reference | None) -> tuple[str, ...]:
@@ -134,45 +119,3 @@ def _too_little(tracks: Tracks) -> list[str]:
         f"motion of robots {few}: less than {FEW_SECONDS:g} s of free motion under a command, in "
         "which only gross faults show"
     ]
-
-
-def _gain(
-    tracks: Tracks, minimal: list[Motion], found: Identified, rng: np.random.Generator
-) -> dict[str, Gain]:
-    """Error of predicted position 1 s ahead by the minimal model and with what was found."""
-    concerned = {r for one in found.named for r in one.robots} or set(tracks.robots)
-    chosen = [k for k, r in enumerate(tracks.robots) if r in concerned]
-    some = tracks.only(chosen)
-    before = _ahead(some, [minimal[k] for k in chosen])
-    after = _ahead(some, [found.explained[k] for k in chosen])
-    block = some.block
-    count = np.bincount(block)
-    sums = np.bincount(block, after**2)
-    picks = rng.integers(0, len(count), (RESAMPLED, len(count)))
-    tried = np.sqrt(sums[picks].sum(axis=1) / count[picks].sum(axis=1))
-    low, high = np.quantile(tried, (0.025, 0.975))
-    return {
-        "position_1s": Gain(
-            before=float(np.sqrt(np.mean(before**2))),
-            after=float(np.sqrt(np.mean(after**2))),
-            low=float(low),
-            high=float(high),
-            unit="m",
-        )
-    }
-
-
-def _ahead(tracks: Tracks, motions: list[Motion]) -> FloatArray:
-    """(windows,) m between predicted and measured position at each window's end, per second.
-
-    The prediction starts at the window's first measured pose.
-    """
-    seen = poses(tracks, motions)
-    last = np.append(tracks.first[1:], len(tracks.rows)) - 1
-    turn = tracks.measured[tracks.first, 2] - seen[tracks.first, 2]
-    step = seen[last, :2] - seen[tracks.first, :2]
-    c, s = np.cos(turn), np.sin(turn)
-    told = np.column_stack([c * step[:, 0] - s * step[:, 1], s * step[:, 0] + c * step[:, 1]])
-    went = tracks.measured[last, :2] - tracks.measured[tracks.first, :2]
-    took = tracks.t[tracks.rows[last]] - tracks.t[tracks.rows[tracks.first]]
-    return np.asarray(np.hypot(*(went - told).T) / took)

@@ -32,6 +32,8 @@ class Glance(NamedTuple):
     """(robots,) deviance that the step promises to take off."""
     unit: FloatArray
     """(p,) coordinates of dose 1."""
+    curvature: FloatArray
+    """(robots,) deviance that a dose of 1 makes where there is none."""
 
 
 def glance(problem: Problem, motions: Sequence[Motion] | None = None) -> list[Glance]:
@@ -90,4 +92,4 @@ def _step(
     group = problem.window_group[np.searchsorted(block, np.arange(len(total)))]
     meat = np.bincount(group, total**2, problem.count)
     error = np.sqrt(np.maximum(meat, curvature)) / curvature
-    return Glance(term, dose, error, dose**2 * curvature, unit)
+    return Glance(term, dose, error, dose**2 * curvature, unit, curvature)

@@ -11,7 +11,6 @@ from dataclasses import replace
 from functools import reduce
 
 import numpy as np
-from scipy import stats
 
 from embedded_sim.model import FloatArray
 from models.identify.choice import Choice, Evidence, Mimic, Replaced
@@ -195,7 +194,6 @@ class _Search:
             covariance=covariance[0],
             gain=gain,
             share=gain / total,
-            p_value=float(2.0 * stats.norm.sf(away)),
             distance=away,
         )
 

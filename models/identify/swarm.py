@@ -13,13 +13,14 @@ from models.causes import Motion
 from models.identify.choice import Choice, Evidence, Mimic
 from models.identify.feigned import believable, feigned
 from models.identify.fit import Problem
-from models.identify.hypothesis import Term, Terms
+from models.identify.fitted import Fitted, Key, Told
+from models.identify.hypothesis import Term
 from models.identify.measure import strength
 from models.identify.screen import Glance, glance
 from models.identify.select import FAMILY, choose
 from models.identify.tracks import Tracks
 from models.identify.twins import tell_apart
-from models.identify.value import Value, bracket, told, values
+from models.identify.value import Value, told
 from models.reference import Reference
 
 LEAST_SWARM = 3
@@ -51,6 +52,15 @@ class Named:
     evidence: Evidence
     twins: tuple[Term, ...]
     """Causes that act exactly alike on what this log holds."""
+    exported: bool = True
+    """Whether the extended model holds it."""
+    why: str = ""
+    """Why not, where it does not."""
+
+    @property
+    def key(self) -> Key:
+        """Of its values in parts of the log."""
+        return self.evidence.term, self.robots
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -70,6 +80,8 @@ class Identified:
     """The selection for the robots that share something."""
     mimics: dict[int, tuple[Mimic, ...]]
     """By the same index, causes that only mimic something unknown."""
+    fits: tuple[Fitted, ...]
+    """That the names were taken from: what the swarm shares first, then robot by robot."""
 
 
 def identify(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -> Identified:
@@ -85,12 +97,14 @@ def identify(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
     named: list[Named] = []
     explained = list(base)
     mimics: dict[int, tuple[Mimic, ...]] = {}
+    fits: list[Fitted] = []
     shared = None
     sharing = _sharing(tracks, seen, reference)
     if sharing is not None:
         found = _swarm(tracks, base, reference, sharing)
         if found is not None:
-            named, explained, shared = found
+            named, explained, shared, fit = found
+            fits.append(fit)
             mimics = dict.fromkeys(np.flatnonzero(sharing).tolist(), shared.mimics)
             seen = glance(Problem(tracks, explained))
     choices = {}
@@ -98,10 +112,11 @@ def identify(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
         alone = Problem(tracks.only([k]), [explained[k]])
         common = tuple(one.term for one in named if tracks.robots[k] in one.robots)
         choice = choose(alone, reference, shared=common)
-        new, motion, mimicked = _names(alone, choice, reference, swarm=False)
+        new, fit, mimicked = _names(alone, choice, reference, swarm=False)
         each = _each(named, tracks.robots[k])
         named += [one for one in new if one.evidence.gain >= FAMILY * each]
-        explained[k] = motion[0]
+        explained[k] = fit.motions[0]
+        fits.append(fit)
         mimics[k] = mimics.get(k, ()) + mimicked
         choices[k] = choice
     return Identified(
@@ -112,6 +127,7 @@ def identify(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
         choices=choices,
         shared=shared,
         mimics={k: found for k, found in mimics.items() if found},
+        fits=tuple(fit for fit in fits if fit.told),
     )
 
 
@@ -126,8 +142,8 @@ def _swarm(
     base: Sequence[Motion],
     reference: Reference,
     sharing: npt.NDArray[np.bool_],
-) -> tuple[list[Named], list[Motion], Choice] | None:
-    """Names shared by the swarm, each robot's motion with them, and the selection behind them.
+) -> tuple[list[Named], list[Motion], Choice, Fitted] | None:
+    """Names shared by the swarm, each robot's motion with them, the selection behind them, its fit.
 
     None where nothing is shared.
     """
@@ -138,11 +154,11 @@ def _swarm(
     said = [*choice.named, *(mimic.evidence for mimic in choice.mimics)]
     if not said or not all(_common(problem, choice, one) for one in said):
         return None
-    named, motions, mimics = _names(problem, choice, reference, swarm=bool(sharing.all()))
+    named, fit, mimics = _names(problem, choice, reference, swarm=bool(sharing.all()))
     explained = list(base)
-    for k, motion in zip(chosen, motions, strict=True):
+    for k, motion in zip(chosen, fit.motions, strict=True):
         explained[k] = motion
-    return named, explained, replace(choice, mimics=mimics)
+    return named, explained, replace(choice, mimics=mimics), fit
 
 
 def _common(problem: Problem, choice: Choice, evidence: Evidence) -> bool:
@@ -158,8 +174,8 @@ def _common(problem: Problem, choice: Choice, evidence: Evidence) -> bool:
 
 def _names(
     problem: Problem, choice: Choice, reference: Reference, *, swarm: bool
-) -> tuple[list[Named], list[Motion], tuple[Mimic, ...]]:
-    """The choice's evidence with values and twins, the robots' motions, and what only mimics."""
+) -> tuple[list[Named], Fitted, tuple[Mimic, ...]]:
+    """The choice's evidence with values and twins, the fit behind them, and what only mimics."""
     fit = choice.fit
     swapped = {}
     for evidence in choice.named:
@@ -167,50 +183,32 @@ def _names(
         swapped[evidence.term] = apart
         fit = apart.fit
     group = len(problem.tracks.robots) > 1
-    named = []
     believed, mimics = believable(problem, choice, swapped, reference)
+    each = []
     for evidence in believed:
         twins = swapped[evidence.term]
-        at = fit.part(twins.chosen)
-        size = at.stop - at.start
+        size = len(twins.chosen.cause.parameters)
         mean, sd = reference.spread(evidence.term.key, size, swarm=group)
         if twins.chosen != evidence.term:  # the healthy mean is in the representative's coordinate
             mean = np.zeros(size)
-        if twins.chosen.cause.smooth:
-            found = values(
-                twins.chosen,
-                fit.coordinates[0, at],
-                fit.covariance[0, at, at],
-                problem.tracks.commands,
-                mean,
-                sd,
-                feigned(twins, [swapped[o.term] for o in believed if o is not evidence]),
-            )
-        else:
-            found = (_threshold(problem, fit.terms, fit.coordinates, at.start, twins.chosen),)
-        named.append(
-            Named(
-                term=twins.chosen,
-                robots=problem.tracks.robots,
-                whole_swarm=swarm,
-                values=found,
-                given=_given(twins.chosen, problem.base[0]),
-                evidence=evidence,
-                twins=twins.others,
-            )
-        )
+        extra = feigned(twins, [swapped[o.term] for o in believed if o is not evidence])
+        each.append(Told(evidence.term, twins.chosen, mean, sd, extra))
     poor = {mimic.evidence.term for mimic in mimics}
     terms = tuple(term for term in fit.terms if term not in poor)
-    columns = [np.r_[fit.part(term)] for term in terms]
-    kept = fit.coordinates[:, np.concatenate([np.r_[0:0], *columns])]
-    return named, problem.motions(terms, kept), mimics
-
-
-def _threshold(
-    problem: Problem, terms: Terms, coordinates: FloatArray, at: int, term: Term
-) -> Value:
-    between = bracket(problem, terms, coordinates, at)
-    return told(term.cause.parameters[0], between.mean, between.low, between.high)
+    fitted = Fitted(problem=problem, fit=fit, told=tuple(each), believed=terms)
+    named = [
+        Named(
+            term=one.term,
+            robots=problem.tracks.robots,
+            whole_swarm=swarm,
+            values=fitted.values_of(one),
+            given=_given(one.term, problem.base[0]),
+            evidence=evidence,
+            twins=swapped[evidence.term].others,
+        )
+        for one, evidence in zip(each, believed, strict=True)
+    ]
+    return named, fitted, mimics
 
 
 def _given(term: Term, healthy: Motion) -> tuple[Value, ...]:

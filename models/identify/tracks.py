@@ -8,18 +8,22 @@ another robot or without a pose are in no window: contact is a cause of its own.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 
 from embedded_sim import InputError
 from embedded_sim.model import FloatArray
 from models.conditions import clear, conditions
+from models.held_out import parts
 from models.log import MeasuredLog
 from models.modelfile import ModelFile
 from models.noise import PoseNoise, pose_noise
 from models.replay import replay_log
 from models.schema import ENCODERS
+from models.used import Used, used
 
 WINDOW = 1.0
 """s. Our choice: long enough to see 0.1 % of a speed through half a millimetre of noise, short
@@ -73,6 +77,10 @@ class Tracks:
     """(rows, columns) conditions at every row, `columns` of them; for the search for structure."""
     columns: tuple[str, ...]
     noise: PoseNoise
+    part: Rows
+    """(rows,) part of the log (`models.held_out`)."""
+    used: tuple[Used, ...] = ()
+    """How much of each robot's time is in windows, and why not the rest."""
 
     @property
     def window(self) -> Rows:
@@ -157,27 +165,47 @@ class Tracks:
             encoders=None if self.encoders is None else self.encoders[kept],
             rows=(np.cumsum(kept) - 1)[self.rows],
             about=self.about[kept],
+            part=self.part[kept],
+        )
+
+    def of_part(self, part: int) -> Tracks:
+        """The tracks with the windows that lie in one part of the log; there may be none."""
+        length = np.diff(np.append(self.first, len(self.rows)))
+        inside = np.logical_and.reduceat(self.part[self.rows] == part, self.first)
+        return replace(
+            self,
+            rows=self.rows[np.repeat(inside, length)],
+            first=np.cumsum(np.append(0, length[inside]))[:-1].astype(np.int64),
+            measured=self.measured[np.repeat(inside, length)],
         )
 
 
-def cut_tracks(log: MeasuredLog, model: ModelFile, *, window: float = WINDOW) -> Tracks:
+def cut_tracks(
+    log: MeasuredLog,
+    model: ModelFile,
+    *,
+    window: float = WINDOW,
+    table: pd.DataFrame | None = None,
+) -> Tracks:
     """The log's tracks in windows.
 
     Args:
         log: The measured log.
         model: Whose geometry says where contact is.
         window: s, longest; logs slower than a third of it get windows of `LEAST_ROWS` rows.
+        table: The log's conditions; None: they are looked up.
 
     Raises:
         InputError: no robot has a single window of free motion.
     """
-    table = conditions(log, model)
+    table = conditions(log, model) if table is None else table
     robots, who = np.unique(log.frame["robot"].to_numpy(dtype=np.int64), return_inverse=True)
     free = clear(table) & log.tracked
     order = np.argsort(who, kind="stable")  # robots first; runs and time stay in order
     t, stretch, segment = log.t[order], log.stretch[order], log.segment[order]
     seconds = max(window, (LEAST_ROWS - 1) * log.step * 1.01)
-    rows, first, thinned = _windows(t, free[order], stretch, who[order], seconds, log.step)
+    cut = _windows(t, free[order], stretch, who[order], seconds, log.step)
+    rows, first, thinned = cut.rows, cut.first, len(cut.unused) > 0
     if not len(first):
         raise InputError("log", "no stretch of free motion", "robots that move clear of contact")
     new = np.concatenate([[True], np.diff(segment) != 0])
@@ -201,8 +229,21 @@ def cut_tracks(log: MeasuredLog, model: ModelFile, *, window: float = WINDOW) ->
         about=np.hstack([table.to_numpy(dtype=np.float64)[order], *turned]),
         columns=(*table.columns, *(TURNED if turned else ())),
         noise=noise,
+        part=parts(log)[order],
+        used=used(log, clear(table), order[rows], order[cut.unused]),
     )
     return tracks.needed() if thinned else tracks
+
+
+class _Cut(NamedTuple):
+    """Windows of a log."""
+
+    rows: Rows
+    """In windows, in order."""
+    first: Rows
+    """(windows,) where in them each window begins."""
+    unused: Rows
+    """In windows that more than were wanted of a long log."""
 
 
 def _turned(t: FloatArray, encoders: FloatArray, start: Rows) -> FloatArray:
@@ -220,12 +261,11 @@ def _windows(
     who: Rows,
     seconds: float,
     step: float,
-) -> tuple[Rows, Rows, bool]:
-    """Rows in windows of at most so many seconds, where in them each window begins, and whether
-    more windows could have been used."""
+) -> _Cut:
+    """Rows in windows of at most so many seconds."""
     rows = np.flatnonzero(free)
     if not len(rows):
-        return rows, rows, False
+        return _Cut(rows, rows, rows)
     away = np.diff(rows) > 1  # a contact or a lost pose between two rows ends a run of rows
     lost = np.diff(t[rows]) > 3.5 * step
     apart = (np.diff(stretch[rows]) != 0) | (np.diff(who[rows]) != 0)
@@ -242,11 +282,12 @@ def _windows(
     span = np.zeros(len(count))
     np.maximum.at(span, window, t[rows] - t[rows][new][window])
     keep = (count >= LEAST_ROWS) & (span >= min(LEAST_SECONDS, (LEAST_ROWS - 1) * step * 0.9))
-    usable = int(keep.sum())
-    keep &= _spread(who[rows][new], keep)
+    usable = keep
+    keep = keep & _spread(who[rows][new], keep)
+    unused = rows[(usable & ~keep)[window]]
     rows, window = rows[keep[window]], window[keep[window]]
     first = np.flatnonzero(np.concatenate([[True], np.diff(window) != 0])[: len(rows)])
-    return rows, first, len(first) < usable
+    return _Cut(rows, first, unused)
 
 
 def _spread(who: Rows, usable: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:

@@ -12,7 +12,7 @@ from embedded_sim.model import FloatArray
 from models.causes import Motion, causes
 from models.causes.withheld import withheld
 from models.identify.candidates import own_starts
-from models.identify.diagnose import Examination
+from models.identify.examination import Examination
 from models.identify.fit import Problem
 from models.identify.hypothesis import Fit, Term, Terms
 from models.identify.predict import poses, wheel_angles
@@ -142,6 +142,7 @@ def _tracks(
         about=np.zeros((len(index), 0)),
         columns=(),
         noise=log.noise,
+        part=np.zeros(len(index), dtype=np.int64),
     )
 
 

@@ -134,6 +134,7 @@ def _sight(flight: Flight, log: Sight, model: PointModel) -> Sight:
     return Sight(
         robots=log.robots,
         begin=np.arange(robots + 1, dtype=np.int64) * steps,
+        part=np.zeros(len(who), dtype=np.int64),
         time=time,
         scenario=scenario,
         poses=flat,

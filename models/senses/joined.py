@@ -11,7 +11,7 @@ from embedded_sim import SENSORS, PointModel, Tables
 from embedded_sim.model import FloatArray
 from models.causes import Motion
 from models.diagnosis import Gain, Unexplained
-from models.identify.diagnose import Examination
+from models.identify.examination import Examination
 from models.identify.swarm import Named
 from models.log import MeasuredLog
 from models.schema import LS, PS
@@ -192,5 +192,6 @@ def _gain(errors: list[FloatArray], use: Bools, block: Rows, rng: np.random.Gene
         after=float(after.sum()) / total,
         low=float(low),
         high=float(high),
+        healthy=None,
         unit="counts",
     )

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy import stats
 
 from embedded_sim.model import FloatArray
 from models.causes.cause import ALL
@@ -142,7 +141,6 @@ def _evidence(
         covariance=np.zeros((len(coordinates), len(coordinates))),
         gain=gain,
         share=share,
-        p_value=float(2.0 * stats.norm.sf(distance)),
         distance=distance,
     )
 

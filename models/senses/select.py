@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy import stats
 
 from embedded_sim.model import FloatArray
 from models.senses.glance import Promise, promises
@@ -64,11 +63,6 @@ class Found:
     rivals: tuple[Term, ...] = ()
     gains: tuple[tuple[str, float], ...] = ()
     """What the terms tried at its turn took off."""
-
-    @property
-    def p_value(self) -> float:
-        """Of a healthy robot showing as much, normal tails."""
-        return float(2.0 * stats.norm.sf(self.distance))
 
 
 class Chosen(NamedTuple):

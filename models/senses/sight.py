@@ -17,6 +17,7 @@ from embedded_sim import SENSORS, PointModel
 from embedded_sim.model import FloatArray
 from models.believed import replay_believed
 from models.causes import Motion
+from models.held_out import parts
 from models.log import MeasuredLog
 from models.noise import PoseNoise, pose_noise
 from models.senses.neighbours import Neighbours, around
@@ -28,7 +29,7 @@ Rows = npt.NDArray[np.int64]
 MOST_ROWS = 32_000
 """Rows used of a log, evenly in time: more sharpen nothing that differences between healthy robots
 and errors of the captured tables leave visible."""
-BY_ROW = ("time", "scenario", "poses", "spread", "read", "free", "block", "commanded")
+BY_ROW = ("time", "scenario", "poses", "spread", "read", "free", "block", "part", "commanded")
 """What a `Sight` has for every row."""
 STATES = ("food", "nest")
 """Columns of the virtual sensor."""
@@ -59,6 +60,8 @@ class Sight:
     """(rows, 16) nothing but wall and lamp can have caused the reading."""
     block: Rows
     """(rows,) counted through; a block is of one robot and run."""
+    part: Rows
+    """(rows,) part of the log (`models.held_out`)."""
     neighbours: Neighbours
     commanded: FloatArray
     """(rows, 2) m/s and rad/s of the wheels as commanded."""
@@ -138,6 +141,7 @@ def look(
         read=measured(log, rows),
         free=free & np.isfinite(measured(log, rows)),
         block=np.unique(key, return_inverse=True)[1],
+        part=parts(log)[rows],
         neighbours=neighbours,
         commanded=_commanded(log, model, rows),
         states=_states(log, rows),

@@ -25,7 +25,7 @@ def main(log: str, out: str, without: tuple[str, ...]) -> None:
             "name": "ls_dead_sensor",
             "robots": [int(robot)],
             "parameters": {"sensor": {"value": sensor, "low": sensor, "high": sensor, "unit": ""}},
-            "evidence": {"held_out_gain": 1.0, "p_value": 0.0},
+            "evidence": {"held_out_gain": 1.0, "score": 99.0},
         }
         for robot, row in medians.iterrows()
         for sensor, value in enumerate(row)

@@ -36,7 +36,6 @@ def named(*, rivals: tuple[Term, ...] = (), twins: tuple[Term, ...] = ()) -> Nam
         covariance=np.array([[1e-4]]),
         gain=500.0,
         share=0.41,
-        p_value=1e-6,
         distance=9.0,
         rivals=rivals,
     )

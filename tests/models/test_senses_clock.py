@@ -32,7 +32,6 @@ def late(seconds: float, name: str, *others: str) -> Named:
         covariance=np.zeros((1, 1)),
         gain=100.0,
         share=0.1,
-        p_value=0.0,
         distance=20.0,
     )
     return Named(

@@ -1,0 +1,218 @@
+"""What may be said of motion: which names are exported, what that gains, what could be unseen.
+
+Between what was found in a log and what is claimed of it stand four questions. Does a value end at
+a bound of the catalogue? Does the model with a cause predict better where it was not fitted? Is
+the error of a robot without any finding no larger than a healthy robot's? And would the log have
+shown a fault at all?
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from embedded_sim.model import FloatArray
+from models.ahead import HORIZON_OF, KEYS, Ahead, together
+from models.blocks import interval
+from models.causes import Motion
+from models.conditions import conditions
+from models.diagnosis import Detectable, Gain, Unexplained
+from models.harm import Predictions, harmless, robots_of
+from models.identify.detectable import Seen, detectable, untold
+from models.identify.examination import Examination
+from models.identify.fitted import refitted
+from models.identify.swarm import Named
+from models.identify.tracks import Tracks
+from models.log import MeasuredLog
+from models.reference import Reference
+from models.replay import HORIZONS
+from models.written import at_bound
+
+FAR = 5.0
+"""Times the median error that tracker noise and what healthy robots do beyond the model leave, from
+which on an error is far above them. Healthy logs of 120 s reach 1.6 (docs/diagnosis.md)."""
+LEAST_APART = 3
+"""Windows that share no moment, of which the median must be far: fewer show no rule."""
+
+
+def claimed(
+    examined: Examination, log: MeasuredLog, table: pd.DataFrame | None = None, *, seed: int = 0
+) -> Examination:
+    """The examination with what its diagnosis may claim of motion.
+
+    Args:
+        examined: Whose diagnosis holds what was named and what is left.
+        log: Of which.
+        table: The log's conditions; None: they are looked up.
+        seed: Of the draws of noise and of the resampling.
+    """
+    found, tracks, said = examined.identified, examined.tracks, examined.diagnosis
+    inside, ended = bounded(said.named)
+    ahead = Ahead(log, conditions(log, examined.model) if table is None else table)
+    by_part = (refitted(found.fits, 0), refitted(found.fits, 1)) if inside else ({}, {})
+    predictions = Predictions(ahead, examined.model, inside, by_part)
+    refused = harmless(predictions)
+    named = tuple(
+        replace(one, exported=False, why=refused[k]) if k in refused else one
+        for k, one in enumerate(inside)
+    )
+    errors = _Errors(predictions, examined.reference, tracks, np.random.default_rng(seed))
+    exported = frozenset(range(len(named))) - refused.keys()
+    unexplained = (*said.unexplained, *ended)
+    seen = detectable(tracks, found.explained, examined.reference)
+    diagnosis = replace(
+        said,
+        named=named,
+        unexplained=(*unexplained, *errors.far(named, unexplained)),
+        gain=errors.gains(named, exported),
+        detectable=tuple(_told(one, tracks.robots) for one in seen),
+        untold=untold(seen, tracks.robots),
+        used=tracks.used,
+    )
+    return replace(examined, diagnosis=diagnosis)
+
+
+def bounded(named: Sequence[Named]) -> tuple[tuple[Named, ...], tuple[Unexplained, ...]]:
+    """Names whose values lie inside their bounds, and the others as unexplained."""
+    inside, ended = [], []
+    for one in named:
+        found = at_bound(one)
+        if found is None:
+            inside.append(one)
+            continue
+        parameter, bound = found
+        unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+        cause = one.term.cause
+        several = f" ({parameter.name})" if len(cause.parameters) > 1 else ""
+        ended.append(
+            Unexplained(
+                channel=CHANNELS.get(getattr(cause, "kind", ""), "motion"),
+                share=one.evidence.share,
+                where=f"{cause.name} at its bound of {bound:g}{unit}{several}",
+                quantity="bound",
+                robots="all" if one.whole_swarm else one.robots,
+                distance=one.evidence.distance,
+            )
+        )
+    return tuple(inside), tuple(ended)
+
+
+CHANNELS = {
+    "ps": "infrared",
+    "ls": "light",
+    "both": "infrared",
+    "direct": "infrared",
+    "nest": "nest",
+}
+"""Channel in which a cause in the senses shows, by its kind; of any other it is `motion`."""
+
+
+def _told(one: Seen, robots: Sequence[int]) -> Detectable:
+    """Of the robot in which it would have been seen worst."""
+    parameter = one.cause.parameters[0]
+    limit = not np.isfinite(parameter.null)
+    unseen = np.isnan(one.size)
+    size = np.where(unseen, np.inf, -one.size if limit else one.size)
+    worst = int(np.argmax(size))
+    return Detectable(
+        cause=one.cause.name,
+        parameter=parameter.name,
+        unit=parameter.unit,
+        null=None if limit else parameter.null,
+        size=None if unseen[worst] else float(one.size[worst]),
+        robot=robots[worst],
+    )
+
+
+class _Errors:
+    """Predictions weighed against what healthy robots leave."""
+
+    def __init__(
+        self,
+        predictions: Predictions,
+        reference: Reference,
+        tracks: Tracks,
+        rng: np.random.Generator,
+    ) -> None:
+        self.predictions, self.reference, self.tracks = predictions, reference, tracks
+        self.rng = rng
+        self.ahead, self.model = predictions.ahead, predictions.model
+        plain = self.model.model_copy(update={"extension": None})
+        self._minimal = plain.motion()
+        self._healthy = reference.motion(self._minimal)
+
+    def _sound(self, robot: int, believed: Motion) -> dict[str, FloatArray]:
+        """By key, what a belief would be off of a healthy robot under one robot's commands."""
+        minimal = self.ahead.replay(robot, lambda r, part: believed)
+        healthy = self.ahead.replay(robot, lambda r, part: self._healthy)
+        return self.ahead.sound(robot, minimal, healthy, self.tracks.noise, self.rng)
+
+    def gains(self, named: Sequence[Named], exported: frozenset[int]) -> dict[str, Gain]:
+        """By key, mean errors over the robots whose causes are exported, or over all."""
+        robots = robots_of([named[k] for k in sorted(exported)], self.tracks.robots)
+        sizes = self.predictions.sizes
+        before = [sizes(robot, frozenset()) for robot in robots]
+        after = [sizes(robot, exported) for robot in robots]
+        sound = [self._sound(robot, self._minimal) for robot in robots]
+        found = {}
+        for name, unit in KEYS.items():
+            less, more = together(before, name), together(after, name)
+            if not len(less):
+                continue
+            low, high = interval(more, self.ahead.block(name, robots), self.rng)
+            known = self.reference.robots > 0
+            found[name] = Gain(
+                before=float(less.mean()),
+                after=float(more.mean()),
+                low=low,
+                high=high,
+                healthy=float(together(sound, name).mean()) if known else None,
+                unit=unit,
+            )
+        return found
+
+    def far(self, named: Sequence[Named], left: Sequence[Unexplained]) -> tuple[Unexplained, ...]:
+        """Robots without any finding whose error is far above what healthy robots leave."""
+        if any(one.robots == "all" for one in left):
+            return ()
+        told = {r for one in named for r in one.robots}
+        told |= {r for one in left if one.robots != "all" for r in one.robots}
+        found = []
+        for robot in self.tracks.robots:
+            one = self._far(robot) if robot not in told else None
+            if one is not None:
+                found.append(one)
+        return tuple(found)
+
+    def _far(self, robot: int) -> Unexplained | None:
+        """At the horizon at which it is farthest."""
+        healthy = self.reference.motion(self.model.motion(robot))
+        path = self.ahead.replay(robot, lambda r, part: healthy)
+        off = self.ahead.sizes(robot, path)
+        noise = self.ahead.sound(robot, path, path, self.tracks.noise, self.rng)
+        worst, most = None, FAR
+        for name, unit in KEYS.items():
+            clear, cell = self.ahead.clear_of_contact(name, robot)
+            if len(np.unique(cell[clear])) < LEAST_APART:
+                continue
+            seen, usual = float(np.median(off[name][clear])), float(np.median(noise[name][clear]))
+            if seen / usual > most:
+                most, worst = seen / usual, (name, unit, seen, usual)
+        if worst is None:
+            return None
+        name, unit, seen, usual = worst
+        what = "position" if name.startswith("position") else "heading"
+        size = f"{1e3 * seen:.0f} mm" if unit == "m" else f"{seen:.2g} rad"
+        seconds = HORIZONS[HORIZON_OF[name]]
+        return Unexplained(
+            channel="motion",
+            share=1.0 - (usual / seen) ** 2,
+            where=f"its predicted {what} is off by {size} after {seconds:g} s, {most:.0f} times "
+            "what a healthy robot would show",
+            quantity="error",
+            robots=(robot,),
+            distance=most,
+        )

@@ -1,0 +1,158 @@
+"""First, do no harm: which named causes the extended model may hold.
+
+A cause is exported only if the model with it predicts better on parts of the log that its values
+were not fitted to, 1, 5 or 20 s ahead in place or heading, and worse at none of them. The test is
+paired over blocks of time of the robots that have the cause (`models.blocks`): at most `LEVEL` by
+chance, and, to be worse, by more than `MARGIN` of the error. All named causes are judged together
+first, then each by leaving it out of the rest; what fails is dropped and the rest judged again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from embedded_sim.model import FloatArray
+from models.ahead import KEYS, SECONDS, Ahead, key, together
+from models.blocks import Better, better
+from models.extended import as_written
+from models.extension import NamedCause
+from models.identify.fitted import Values
+from models.identify.swarm import Named
+from models.modelfile import ModelFile
+from models.prediction import MOTION
+from models.written import written
+
+LEVEL = 0.05
+"""One-sided level at which a prediction counts as better, or as worse."""
+MARGIN = 0.02
+"""Of the error that is there without the cause, by which it must grow to count as harm: less is
+seen by nobody, and every cause changes every prediction a little. Our choice."""
+
+Sizes = Callable[[int, frozenset[int]], dict[str, FloatArray]]
+"""(robot, causes by number) -> by key, (windows,) errors of the model that holds these."""
+
+
+class Predictions:
+    """What models with some of the named causes predict, each in the part it was not fitted to."""
+
+    def __init__(
+        self,
+        ahead: Ahead,
+        model: ModelFile,
+        named: Sequence[Named],
+        by_part: tuple[Values, Values],
+    ) -> None:
+        """Prepare; `by_part` are the values that each part of the log gives by itself."""
+        self.ahead, self.model, self.named, self.by_part = ahead, model, named, by_part
+        self._files: dict[tuple[frozenset[int], int], ModelFile] = {}
+        self._sizes: dict[tuple[int, frozenset[int]], dict[str, FloatArray]] = {}
+
+    def file(self, causes: frozenset[int], part: int) -> ModelFile:
+        """The model file with some causes that judges a part, read back from its text."""
+        if (causes, part) not in self._files:
+            self._files[causes, part] = (
+                as_written(self.model, self._written(causes, part)) if causes else self.model
+            )
+        return self._files[causes, part]
+
+    def _written(self, causes: frozenset[int], part: int) -> list[NamedCause]:
+        """Causes with the values of the other part."""
+        values = self.by_part[1 - part]
+        return [written(self.named[k], values[self.named[k].key]) for k in sorted(causes)]
+
+    def sizes(self, robot: int, causes: frozenset[int]) -> dict[str, FloatArray]:
+        """By key, (windows,) how far the model with some causes is off; others are left out."""
+        mine = frozenset(k for k in causes if robot in self.named[k].robots)
+        if (robot, mine) not in self._sizes:
+            poses = self.ahead.replay(robot, lambda r, part: self.file(mine, part).motion(r))
+            self._sizes[robot, mine] = self.ahead.sizes(robot, poses)
+        return self._sizes[robot, mine]
+
+    def compare(
+        self, robots: Sequence[int], before: frozenset[int], after: frozenset[int]
+    ) -> dict[str, Better]:
+        """By key, how much better robots are predicted with other causes."""
+        less = [self.sizes(robot, before) for robot in robots]
+        more = [self.sizes(robot, after) for robot in robots]
+        found = {}
+        for name in KEYS:
+            block = self.ahead.block(name, robots)
+            one = better(together(less, name), together(more, name), block)
+            if one is not None:
+                found[name] = one
+        return found
+
+
+def harmless(predictions: Predictions) -> dict[int, str]:
+    """Causes that may not be exported, by number, and why."""
+    named, by_part = predictions.named, predictions.by_part
+    refused = {
+        k: "seen, but only in one part of the log, so that nothing could be checked: not exported"
+        for k, one in enumerate(named)
+        if any(one.key not in values for values in by_part)
+    }
+    kept = frozenset(range(len(named))) - refused.keys()
+    while kept:
+        worst = _worst(predictions, kept)
+        if worst is None:
+            break
+        number, refused[number] = worst[0], worst[1]
+        kept -= {number}
+    return refused
+
+
+def _worst(predictions: Predictions, kept: frozenset[int]) -> tuple[int, str] | None:
+    """The cause that must go first, and why; None: all may stay."""
+    alone = {
+        k: predictions.compare(predictions.named[k].robots, kept - {k}, kept) for k in sorted(kept)
+    }
+    harmful = {k: worse(one) for k, one in alone.items() if worse(one)}
+    if harmful:
+        number = max(harmful, key=lambda k: max(alone[k][name].level for name in harmful[k]))
+        return number, _harms(harmful[number])
+    useless = [k for k, one in alone.items() if not helps(one)]
+    if useless:
+        number = max(useless, key=lambda k: min((b.level for b in alone[k].values()), default=1.0))
+        return number, USELESS
+    for k in sorted(kept):
+        robots = predictions.named[k].robots
+        found = worse(predictions.compare(robots, frozenset(), kept))
+        if found:
+            beside = [j for j in kept if set(predictions.named[j].robots) & set(robots)]
+            number = max(beside, key=lambda j: min(b.level for b in alone[j].values()))
+            return number, _harms(found)
+    return None
+
+
+USELESS = "seen, but the model with it predicts nothing better 1, 5 or 20 s ahead: not exported"
+
+
+def helps(found: Mapping[str, Better]) -> bool:
+    """Whether something is predicted better."""
+    return any(one.level < LEVEL for one in found.values())
+
+
+def worse(found: Mapping[str, Better]) -> list[str]:
+    """Keys of what is predicted worse."""
+    return [k for k, one in found.items() if one.share < -MARGIN and one.level > 1.0 - LEVEL]
+
+
+def _harms(keys: Sequence[str]) -> str:
+    """Why a cause is not exported, in words."""
+    at = [h for h in SECONDS if any(key(channel, h) in keys for channel in MOTION)]
+    onwards = list(SECONDS[SECONDS.index(at[0]) :]) == at
+    when = f"from {at[0]} on" if onwards else f"at {' and '.join(at)}"
+    return f"seen, but the model with it predicts worse {when}: not exported"
+
+
+def robots_of(named: Sequence[Named], robots: Sequence[int]) -> list[int]:
+    """Robots that some cause concerns, or all of them where none does."""
+    concerned = {robot for one in named for robot in one.robots}
+    return sorted(concerned) or [int(robot) for robot in robots]
+
+
+def total(sizes: FloatArray) -> float:
+    """Mean error."""
+    return float(np.mean(sizes))

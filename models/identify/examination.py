@@ -1,0 +1,24 @@
+"""A diagnosis of motion and what it was drawn from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from models.diagnosis import Diagnosis
+from models.identify.structure import Follow
+from models.identify.swarm import Identified
+from models.identify.tracks import Tracks
+from models.modelfile import ModelFile
+from models.reference import Reference
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Examination:
+    """A diagnosis and what it was drawn from, for what is claimed of it and for the report."""
+
+    tracks: Tracks
+    model: ModelFile
+    reference: Reference
+    identified: Identified
+    structure: list[Follow]
+    diagnosis: Diagnosis
