@@ -15,14 +15,13 @@ import numpy as np
 import pandas as pd
 
 from embedded_sim.model import FloatArray
-from models.ahead import HORIZON_OF, KEYS, Ahead, together
+from models.ahead import HORIZON_OF, KEYS, SECONDS, Ahead, key, together
 from models.blocks import interval
-from models.causes import Motion
 from models.conditions import conditions
 from models.diagnosis import Detectable, Gain, Unexplained
 from models.harm import Predictions, harmless, robots_of
 from models.identify.detectable import Seen, detectable, untold
-from models.identify.examination import Examination
+from models.identify.examination import KINDS, Examination
 from models.identify.fitted import refitted
 from models.identify.swarm import Named
 from models.identify.tracks import Tracks
@@ -34,6 +33,8 @@ from models.written import at_bound
 FAR = 5.0
 """Times the median error that tracker noise and what healthy robots do beyond the model leave, from
 which on an error is far above them. Healthy logs of 120 s reach 1.6 (docs/diagnosis.md)."""
+SURE = 99.0
+"""Standard deviations beyond which a distance says no more."""
 LEAST_APART = 3
 """Windows that share no moment, of which the median must be far: fewer show no rule."""
 
@@ -56,7 +57,7 @@ def claimed(
     predictions = Predictions(ahead, examined.model, inside, by_part)
     refused = harmless(predictions)
     named = tuple(
-        replace(one, exported=False, why=refused[k]) if k in refused else one
+        replace(one, exported=k not in refused, why=refused.get(k, ""))
         for k, one in enumerate(inside)
     )
     errors = _Errors(predictions, examined.reference, tracks, np.random.default_rng(seed))
@@ -72,7 +73,7 @@ def claimed(
         untold=untold(seen, tracks.robots),
         used=tracks.used,
     )
-    return replace(examined, diagnosis=diagnosis)
+    return replace(examined, diagnosis=diagnosis, errors=errors.by_robot(exported))
 
 
 def bounded(named: Sequence[Named]) -> tuple[tuple[Named, ...], tuple[Unexplained, ...]]:
@@ -94,7 +95,7 @@ def bounded(named: Sequence[Named]) -> tuple[tuple[Named, ...], tuple[Unexplaine
                 where=f"{cause.name} at its bound of {bound:g}{unit}{several}",
                 quantity="bound",
                 robots="all" if one.whole_swarm else one.robots,
-                distance=one.evidence.distance,
+                distance=min(one.evidence.distance, SURE),  # an end may have no error
             )
         )
     return tuple(inside), tuple(ended)
@@ -143,12 +144,31 @@ class _Errors:
         plain = self.model.model_copy(update={"extension": None})
         self._minimal = plain.motion()
         self._healthy = reference.motion(self._minimal)
+        self._sounds: dict[int, dict[str, FloatArray]] = {}
 
-    def _sound(self, robot: int, believed: Motion) -> dict[str, FloatArray]:
-        """By key, what a belief would be off of a healthy robot under one robot's commands."""
-        minimal = self.ahead.replay(robot, lambda r, part: believed)
-        healthy = self.ahead.replay(robot, lambda r, part: self._healthy)
-        return self.ahead.sound(robot, minimal, healthy, self.tracks.noise, self.rng)
+    def _sound(self, robot: int) -> dict[str, FloatArray]:
+        """By key, what the minimal model would be off of a healthy robot under one's commands."""
+        if robot not in self._sounds:
+            minimal = self.ahead.replay(robot, lambda r, part: self._minimal)
+            healthy = self.ahead.replay(robot, lambda r, part: self._healthy)
+            noise = self.tracks.noise
+            self._sounds[robot] = self.ahead.sound(robot, minimal, healthy, noise, self.rng)
+        return self._sounds[robot]
+
+    def by_robot(self, exported: frozenset[int]) -> pd.DataFrame:
+        """As `Examination.errors`."""
+        rows = []
+        for robot in self.tracks.robots:
+            sizes = self.predictions.sizes
+            found = [sizes(robot, frozenset()), self._sound(robot), sizes(robot, exported)]
+            for kind, one in zip(KINDS, found, strict=True):
+                if kind == KINDS[1] and not self.reference.robots:
+                    continue
+                for horizon in SECONDS:
+                    error = one[key("position", horizon)]
+                    if len(error):
+                        rows.append((robot, HORIZONS[horizon], kind, float(error.mean())))
+        return pd.DataFrame(rows, columns=["robot", "seconds", "kind", "error"])
 
     def gains(self, named: Sequence[Named], exported: frozenset[int]) -> dict[str, Gain]:
         """By key, mean errors over the robots whose causes are exported, or over all."""
@@ -156,7 +176,7 @@ class _Errors:
         sizes = self.predictions.sizes
         before = [sizes(robot, frozenset()) for robot in robots]
         after = [sizes(robot, exported) for robot in robots]
-        sound = [self._sound(robot, self._minimal) for robot in robots]
+        sound = [self._sound(robot) for robot in robots]
         found = {}
         for name, unit in KEYS.items():
             less, more = together(before, name), together(after, name)

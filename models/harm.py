@@ -9,9 +9,8 @@ first, then each by leaving it out of the rest; what fails is dropped and the re
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-
-import numpy as np
+from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 from embedded_sim.model import FloatArray
 from models.ahead import KEYS, SECONDS, Ahead, key, together
@@ -30,24 +29,49 @@ MARGIN = 0.02
 """Of the error that is there without the cause, by which it must grow to count as harm: less is
 seen by nobody, and every cause changes every prediction a little. Our choice."""
 
-Sizes = Callable[[int, frozenset[int]], dict[str, FloatArray]]
-"""(robot, causes by number) -> by key, (windows,) errors of the model that holds these."""
+
+class Weighable(Protocol):
+    """Predictions by models that hold some of the named causes."""
+
+    named: Sequence[Named]
+    by_part: tuple[Values, ...]
+    """Of each part of the log, the values that it gives by itself."""
+    useless: str
+    """Why a cause that helps nowhere is not exported."""
+
+    def harms(self, keys: Sequence[str]) -> str:
+        """Why a cause is not exported with which these are predicted worse."""
+
+    def compare(
+        self, robots: Sequence[int], before: frozenset[int], after: frozenset[int]
+    ) -> dict[str, Better]:
+        """By key, how much better robots are predicted with other causes, by number."""
 
 
 class Predictions:
     """What models with some of the named causes predict, each in the part it was not fitted to."""
+
+    useless = "seen, but the model with it predicts nothing better 1, 5 or 20 s ahead: not exported"
 
     def __init__(
         self,
         ahead: Ahead,
         model: ModelFile,
         named: Sequence[Named],
-        by_part: tuple[Values, Values],
+        by_part: tuple[Values, ...],
     ) -> None:
         """Prepare; `by_part` are the values that each part of the log gives by itself."""
         self.ahead, self.model, self.named, self.by_part = ahead, model, named, by_part
         self._files: dict[tuple[frozenset[int], int], ModelFile] = {}
         self._sizes: dict[tuple[int, frozenset[int]], dict[str, FloatArray]] = {}
+
+    @staticmethod
+    def harms(keys: Sequence[str]) -> str:
+        """Why a cause is not exported, in words."""
+        at = [h for h in SECONDS if any(key(channel, h) in keys for channel in MOTION)]
+        onwards = list(SECONDS[SECONDS.index(at[0]) :]) == at
+        when = f"from {at[0]} on" if onwards else f"at {' and '.join(at)}"
+        return f"seen, but the model with it predicts worse {when}: not exported"
 
     def file(self, causes: frozenset[int], part: int) -> ModelFile:
         """The model file with some causes that judges a part, read back from its text."""
@@ -85,7 +109,7 @@ class Predictions:
         return found
 
 
-def harmless(predictions: Predictions) -> dict[int, str]:
+def harmless(predictions: Weighable) -> dict[int, str]:
     """Causes that may not be exported, by number, and why."""
     named, by_part = predictions.named, predictions.by_part
     refused = {
@@ -103,7 +127,7 @@ def harmless(predictions: Predictions) -> dict[int, str]:
     return refused
 
 
-def _worst(predictions: Predictions, kept: frozenset[int]) -> tuple[int, str] | None:
+def _worst(predictions: Weighable, kept: frozenset[int]) -> tuple[int, str] | None:
     """The cause that must go first, and why; None: all may stay."""
     alone = {
         k: predictions.compare(predictions.named[k].robots, kept - {k}, kept) for k in sorted(kept)
@@ -111,22 +135,19 @@ def _worst(predictions: Predictions, kept: frozenset[int]) -> tuple[int, str] | 
     harmful = {k: worse(one) for k, one in alone.items() if worse(one)}
     if harmful:
         number = max(harmful, key=lambda k: max(alone[k][name].level for name in harmful[k]))
-        return number, _harms(harmful[number])
+        return number, predictions.harms(harmful[number])
     useless = [k for k, one in alone.items() if not helps(one)]
     if useless:
         number = max(useless, key=lambda k: min((b.level for b in alone[k].values()), default=1.0))
-        return number, USELESS
+        return number, predictions.useless
     for k in sorted(kept):
         robots = predictions.named[k].robots
         found = worse(predictions.compare(robots, frozenset(), kept))
         if found:
             beside = [j for j in kept if set(predictions.named[j].robots) & set(robots)]
             number = max(beside, key=lambda j: min(b.level for b in alone[j].values()))
-            return number, _harms(found)
+            return number, predictions.harms(found)
     return None
-
-
-USELESS = "seen, but the model with it predicts nothing better 1, 5 or 20 s ahead: not exported"
 
 
 def helps(found: Mapping[str, Better]) -> bool:
@@ -139,20 +160,7 @@ def worse(found: Mapping[str, Better]) -> list[str]:
     return [k for k, one in found.items() if one.share < -MARGIN and one.level > 1.0 - LEVEL]
 
 
-def _harms(keys: Sequence[str]) -> str:
-    """Why a cause is not exported, in words."""
-    at = [h for h in SECONDS if any(key(channel, h) in keys for channel in MOTION)]
-    onwards = list(SECONDS[SECONDS.index(at[0]) :]) == at
-    when = f"from {at[0]} on" if onwards else f"at {' and '.join(at)}"
-    return f"seen, but the model with it predicts worse {when}: not exported"
-
-
 def robots_of(named: Sequence[Named], robots: Sequence[int]) -> list[int]:
     """Robots that some cause concerns, or all of them where none does."""
     concerned = {robot for one in named for robot in one.robots}
     return sorted(concerned) or [int(robot) for robot in robots]
-
-
-def total(sizes: FloatArray) -> float:
-    """Mean error."""
-    return float(np.mean(sizes))

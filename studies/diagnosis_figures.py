@@ -11,67 +11,28 @@ from matplotlib.figure import Figure
 
 from embedded_sim.model import FloatArray
 from models.causes import Motion
-from models.identify.examination import Examination
+from models.identify.examination import KINDS, Examination
 from models.identify.fit import Problem
-from models.identify.predict import poses
 from models.identify.swarm import Named
-from models.identify.tracks import Tracks
 
-AGES = (0.2, 0.4, 0.6, 0.8)
-"""s after a window's beginning at which its error is shown; most windows last that long."""
 PROFILE_POINTS = 21
 DPI = 100
-KINDS = ("model alone", "healthy robot", "with what was found")
-
-
-def ahead(tracks: Tracks, motions: list[Motion], age: float) -> FloatArray:
-    """(windows,) m between predicted and measured position so long after each window's beginning.
-
-    NaN where the window is shorter.
-    """
-    seen = poses(tracks, motions)
-    begin = tracks.t[tracks.rows[tracks.first]]
-    since = tracks.t[tracks.rows] - begin[tracks.window]
-    last = np.append(tracks.first[1:], len(tracks.rows)) - 1
-    reached = np.searchsorted(since + 1e6 * tracks.window, age - 0.01 + 1e6 * np.arange(len(last)))
-    ok = reached <= last
-    at = np.minimum(reached, last)
-    turn = tracks.measured[tracks.first, 2] - seen[tracks.first, 2]
-    step = seen[at, :2] - seen[tracks.first, :2]
-    c, s = np.cos(turn), np.sin(turn)
-    told = np.column_stack([c * step[:, 0] - s * step[:, 1], s * step[:, 0] + c * step[:, 1]])
-    went = tracks.measured[at, :2] - tracks.measured[tracks.first, :2]
-    return np.where(ok, np.hypot(*(went - told).T), np.nan)
-
-
-def error_table(examined: Examination) -> pd.DataFrame:
-    """Mean error (mm) per robot, age and kind of prediction."""
-    tracks, found = examined.tracks, examined.identified
-    believed = [examined.model.motion(robot) for robot in tracks.robots]
-    rows = []
-    for kind, motions in zip(
-        KINDS, (believed, list(found.base), list(found.explained)), strict=True
-    ):
-        for age in AGES:
-            error = 1e3 * ahead(tracks, motions, age)
-            for k, robot in enumerate(tracks.robots):
-                mine = error[tracks.robot == k]
-                if np.isfinite(mine).any():
-                    rows.append((robot, age, kind, float(np.nanmean(mine))))
-    return pd.DataFrame(rows, columns=["robot", "age", "kind", "error"])
 
 
 def draw_errors(table: pd.DataFrame, concerned: set[int], path: Path) -> None:
-    """Error by age for the robots concerned, and per robot after a second."""
+    """Error by how far ahead, of the robots concerned, and per robot after the longest time."""
     figure = _figure(10, 3.6)
-    by_age, by_robot = figure.subplots(1, 2, width_ratios=(1, 1.5))
+    by_time, by_robot = figure.subplots(1, 2, width_ratios=(1, 1.5))
+    table = table.assign(error=1e3 * table["error"])
     mine = table[table["robot"].isin(concerned)] if concerned else table
-    sns.lineplot(mine, x="age", y="error", hue="kind", style="kind", markers=True, ax=by_age)
-    by_age.set(xlabel="s ahead", ylabel="mean position error (mm)", ylim=(0, None))
-    by_age.legend(title=None, fontsize=8)
-    last = table[table["age"] == table["age"].max()]
-    sns.barplot(last, x="robot", y="error", hue="kind", ax=by_robot, legend=False)
-    by_robot.set(xlabel="robot", ylabel=f"mm, {AGES[-1]:g} s ahead")
+    options = {"hue": "kind", "hue_order": [k for k in KINDS if (table["kind"] == k).any()]}
+    sns.lineplot(mine, x="seconds", y="error", style="kind", markers=True, ax=by_time, **options)
+    by_time.set(xscale="log", yscale="log", xlabel="s ahead", ylabel="mean position error (mm)")
+    by_time.set_xticks(ticks := sorted(table["seconds"].unique()), [f"{t:g}" for t in ticks])
+    by_time.legend(title=None, fontsize=8)
+    last = table[table["seconds"] == table["seconds"].max()]
+    sns.barplot(last, x="robot", y="error", ax=by_robot, legend=False, **options)
+    by_robot.set(xlabel="robot", ylabel=f"mm, {last['seconds'].max():g} s ahead")
     _save(figure, path)
 
 

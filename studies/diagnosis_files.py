@@ -14,6 +14,7 @@ from embedded_sim.errors import InputError, nearest
 from models.catalogue import every_cause
 from models.causes.withheld import without
 from models.diagnosis import Diagnosis, as_json, extension, file_hash
+from models.extended import NAME, extended_text
 from models.extension import Extension
 from models.identify.diagnose import diagnose
 from models.log import SAMPLES, MeasuredLog, make_log, read_table
@@ -154,17 +155,12 @@ def _commands(table: pd.DataFrame) -> tuple[str, ...]:
 
 def write_extended(model: ModelFile, source: Path, named: Extension, out: Path) -> None:
     """The model with an extension as `extended.toml`, its sensor tables beside it."""
-    content: dict[str, Any] = model.model_dump(mode="json", exclude_none=True)
-    earlier = model.extension.causes if model.extension else ()
-    causes = [
-        cause.model_dump(mode="json", exclude_none=True) for cause in (*earlier, *named.causes)
-    ]
+    beside_it = None
     if model.sensors is not None:
         tables = source.parent / model.sensors.tables
         shutil.copyfile(tables, out / tables.name)
-        content["sensors"] = {"tables": tables.name}
-    content["extension"] = {"log": named.log, "command": named.command, "causes": causes}
-    (out / "extended.toml").write_text(tomli_w.dumps(content), encoding="utf-8")
+        beside_it = tables.name
+    (out / NAME).write_text(extended_text(model, named, beside_it), encoding="utf-8")
 
 
 def _reference(given: str | None, model: ModelFile, scripted: bool) -> Reference | None:

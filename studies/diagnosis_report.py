@@ -13,9 +13,18 @@ from models.causes import causes
 from models.diagnosis import alternatives
 from models.identify.examination import Examination
 from models.senses.joined import WholeExamination
+from models.used import REASONS
 from studies import diagnosis_figures as figures
 from studies import sense_figures
-from studies.diagnosis_words import leftover_sentence, value_text, verdict_sentence, who
+from studies.diagnosis_words import (
+    detectable_sentence,
+    gain_row,
+    leftover_sentence,
+    untold_sentence,
+    value_text,
+    verdict_sentence,
+    who,
+)
 from studies.next_experiment import next_section
 from studies.paper.page import Picture, Section, Table, write_page
 
@@ -26,9 +35,19 @@ CHECKED = (
     "any healthy robot's does."
 )
 BEFORE_AFTER = (
-    "How far the predicted position is off, from each measured pose on: by the model alone, by a "
-    "healthy robot of this kind (the model with the healthy reference), and with what was found. "
-    "Left: the robots concerned; right: every robot."
+    "How far the predicted position is off, from each measured pose on: by the model as it was, by "
+    "the extended one, and what the minimal model leaves of a healthy robot. Left: the robots "
+    "concerned; right: every robot."
+)
+GAIN = (
+    "How far predictions are off, on parts of the log that no value was fitted to: the log is cut "
+    "in two, by runs where there are several and else by time, and each part is predicted by a "
+    "file with the values of the other. Before: the model as it was. Of a healthy robot: what the "
+    "minimal model leaves of one under the same commands."
+)
+SHOWN = (
+    "What this log would have shown of one cause alone, in the robot that shows it worst, with "
+    "95 % probability."
 )
 RIVALS = (
     "What each cause takes off the error on held-out parts of the log when it is tried in the "
@@ -59,7 +78,9 @@ def write_report(
             _found(examined),
             *next_section(examined.diagnosis.proposal, following, Path(room)),
             _pictures(examined, Path(room)),
+            _gain(examined),
             _robots(examined),
+            _would_have_shown(examined),
             _not_checked(examined),
             Section("Where this comes from", [f"Command: {command}", *examined.diagnosis.notes]),
         ]
@@ -80,6 +101,7 @@ def _found(examined: Examination) -> Section:
             "error taken off, held out": f"{100 * one.evidence.share:.1f} %",
             "distance from health": f"{one.evidence.distance:.1f} s.d.",
             "could also be": ", ".join(alternatives(one)) or None,
+            "in extended.toml": "yes" if one.exported else one.why,
         }
         for one in found.named
     ]
@@ -87,13 +109,42 @@ def _found(examined: Examination) -> Section:
     return Section("What was found", [CHECKED, *texts], tables=tables)
 
 
+def _gain(examined: Examination) -> Section:
+    """What the extended model predicts better."""
+    found = examined.diagnosis
+    exported = any(one.exported for one in found.named)
+    nothing = [] if exported else ["Nothing was added to the model, so that nothing is gained."]
+    rows = [gain_row(name, gain) for name, gain in found.gain.items()]
+    tables = [Table.of(pd.DataFrame(rows))] if rows else []
+    return Section("What the extended model gains", [GAIN, *nothing], tables=tables)
+
+
+def _would_have_shown(examined: Examination) -> Section:
+    """What this log could tell."""
+    found = examined.diagnosis
+    told = [detectable_sentence(found.detectable)] if found.detectable else []
+    if found.untold:
+        told.append(f"So that not every robot can be called sound: {untold_sentence(found)}")
+    rows = [
+        {
+            "robot": one.robot,
+            "seconds": round(one.seconds, 1),
+            **{name.replace("_", " "): f"{100 * getattr(one, name):.1f} %" for name in REASONS},
+        }
+        for one in found.used
+    ]
+    tables = [Table.of(pd.DataFrame(rows))] if rows else []
+    return Section("What would have shown", [SHOWN, *told], tables=tables)
+
+
 def _pictures(examined: Examination, room: Path) -> Section:
     """The evidence."""
     found = examined.diagnosis
     concerned = {robot for one in found.named for robot in one.robots}
     drawn = []
-    figures.draw_errors(figures.error_table(examined), concerned, room / "errors.png")
-    drawn.append(Picture(room / "errors.png", BEFORE_AFTER))
+    if len(examined.errors):
+        figures.draw_errors(examined.errors, concerned, room / "errors.png")
+        drawn.append(Picture(room / "errors.png", BEFORE_AFTER))
     if found.named:
         figures.draw_rivals(found.named, room / "rivals.png")
         drawn.append(Picture(room / "rivals.png", RIVALS))
@@ -114,30 +165,44 @@ def _pictures(examined: Examination, room: Path) -> Section:
 def _robots(examined: Examination) -> Section:
     """One row per robot."""
     tracks, found = examined.tracks, examined.diagnosis
-    table = figures.error_table(examined)
-    last = table[table["age"] == table["age"].max()]
-    wide = last.pivot_table(index="robot", columns="kind", values="error")
     windows = np.bincount(tracks.robot, minlength=len(tracks.robots))
+    errors = _errors(examined.errors)
     rows = []
     for k, robot in enumerate(tracks.robots):
         names = [one.term.cause.name for one in found.named if robot in one.robots]
         left = [
             one.where for one in found.unexplained if one.robots == "all" or robot in one.robots
         ]
-        errors = {
-            f"{kind} (mm in 0.8 s)": float(wide.loc[robot, kind]) if robot in wide.index else np.nan
-            for kind in figures.KINDS
-        }
         rows.append(
             {
                 "robot": robot,
-                "named": ", ".join(names) or "nothing wrong",
+                "named": ", ".join(names) or _of_robot(robot, examined),
                 "unexplained": "; ".join(left) or None,
                 "seconds of free motion": int(windows[k]),
-                **errors,
+                **errors.get(robot, {}),
             }
         )
     return Section("Robot by robot", tables=[Table.of(pd.DataFrame(rows))])
+
+
+def _errors(table: pd.DataFrame) -> dict[int, dict[str, float]]:
+    """By robot, its mean errors at the longest time ahead, by what they are called."""
+    if not len(table):
+        return {}
+    seconds = table["seconds"].max()
+    found: dict[int, dict[str, float]] = {}
+    for one in table[table["seconds"] == seconds].itertuples():
+        called = f"{one.kind} (mm in {seconds:g} s)"
+        found.setdefault(int(one.robot), {})[called] = 1e3 * float(one.error)
+    return found
+
+
+def _of_robot(robot: int, examined: Examination) -> str:
+    """What is said of a robot of which nothing is named."""
+    found = examined.diagnosis
+    if any(one.robots == "all" or robot in one.robots for one in found.unexplained):
+        return "no known cause"
+    return "cannot tell" if robot in found.untold else "nothing wrong"
 
 
 def _not_checked(examined: Examination) -> Section:

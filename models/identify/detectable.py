@@ -2,10 +2,11 @@
 
 A cause of a size is counted as seen if with 95 % probability it passes both gates that a name
 needs. *Distance*: it lies so many standard deviations from health, by the fit's error over blocks
-and the healthy spread. Few blocks give uncertain errors, so that the gate becomes the quantile of
-Student's t with the same tail; one block tells nothing. *Gain*: it takes off so much deviance.
-Sizes are those of one cause alone. Of causes whose effect grows otherwise than in proportion
-(limits, dead zones) the sizes tried are those from which fits start.
+and the healthy spread, of this cause and of whatever else looks like it in this log. Few blocks
+give uncertain errors, so that the gate becomes the quantile of Student's t with the same tail; one
+block tells nothing. *Gain*: it takes off so much deviance. Sizes are those of one cause alone. Of
+causes whose effect grows otherwise than in proportion (limits, dead zones) the sizes tried are
+those from which fits start.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from models.causes.withheld import withheld
 from models.identify.fit import Problem
 from models.identify.hypothesis import Term
 from models.identify.measure import strength
-from models.identify.screen import Glance, glance
+from models.identify.screen import Glance, Look, looks
 from models.identify.tracks import Tracks
 from models.reference import Reference
 
@@ -58,11 +59,16 @@ def detectable(tracks: Tracks, motions: Sequence[Motion], reference: Reference) 
     """
     blocks = _blocks(tracks)
     by_term: dict[Term, list[Glance]] = {}
-    for one in glance(Problem(tracks, motions)):
-        by_term.setdefault(one.term, []).append(one)
+    steps: list[Look] = []
+    for one in looks(Problem(tracks, motions)):
+        by_term.setdefault(one.glance.term, []).append(one.glance)
+        if _linear(one.glance.term) and _is_step(one.glance):
+            steps.append(one)
+    feigned = _feigned(steps, tracks, reference)
     by_name: dict[str, list[FloatArray]] = {}
     for term, probes in by_term.items():
-        found = _coordinates(term, probes, blocks, tracks, reference)
+        extra = feigned.get(term, np.zeros((len(term.cause.parameters), len(tracks.robots))))
+        found = _coordinates(term, probes, extra, blocks, tracks, reference)
         by_name.setdefault(term.cause.name, []).append(found)
     seen = []
     for name, cause in causes().items():
@@ -103,29 +109,76 @@ def _blocks(tracks: Tracks) -> FloatArray:
     return np.bincount(each, minlength=len(tracks.robots)).astype(np.float64)
 
 
+def _linear(term: Term) -> bool:
+    """Whether small values of a cause make small changes."""
+    return term.cause.smooth and all(np.isfinite(p.null) for p in term.cause.parameters)
+
+
+def _is_step(probe: Glance) -> bool:
+    """Whether a probe is a small step of one parameter."""
+    k = int(np.argmax(np.abs(probe.unit)))
+    return bool(abs(probe.unit[k]) <= probe.term.cause.parameters[k].step)
+
+
+def _spread(term: Term, reference: Reference) -> FloatArray:
+    """(p,) healthy spread of a term's coordinates, here and elsewhere."""
+    _, sd = reference.spread(term.key, len(term.cause.parameters))
+    return np.asarray(np.hypot(sd, [p.elsewhere for p in term.cause.parameters]))
+
+
+def _feigned(steps: Sequence[Look], tracks: Tracks, reference: Reference) -> dict[Term, FloatArray]:
+    """(p, robots) by term, standard deviation of what healthy differences in everything else feign
+    of its coordinates in this log."""
+    if not steps:
+        return {}
+    wide, columns = [], []
+    for one in steps:
+        k = int(np.argmax(np.abs(one.glance.unit)))
+        wide.append(float(_spread(one.glance.term, reference)[k]))
+        columns.append(np.sqrt(one.weight) * one.change / one.glance.unit[k])
+    every = np.array(columns)
+    names = [one.glance.term.cause.name for one in steps]
+    apart = np.array([[a != b for b in names] for a in names])
+    row_robot = tracks.robot[tracks.window]
+    found: dict[Term, list[FloatArray]] = {}
+    shares = np.zeros((len(steps), len(tracks.robots)))
+    for robot in np.unique(row_robot).tolist():
+        mine = every[:, row_robot == robot].reshape(len(steps), -1)
+        gram = mine @ mine.T
+        pull = gram / np.maximum(np.diag(gram), np.finfo(float).tiny)[:, None]
+        shares[:, robot] = np.sqrt(((pull * wide) ** 2 * apart).sum(axis=1))
+    for one, share in zip(steps, shares, strict=True):
+        found.setdefault(one.glance.term, []).append(share)
+    return {term: np.array(each) for term, each in found.items()}
+
+
 def _coordinates(
-    term: Term, probes: Sequence[Glance], blocks: FloatArray, tracks: Tracks, reference: Reference
+    term: Term,
+    probes: Sequence[Glance],
+    extra: FloatArray,
+    blocks: FloatArray,
+    tracks: Tracks,
+    reference: Reference,
 ) -> FloatArray:
     """(p, robots) coordinates of a term from which it is seen, or of a probe that is; else NaN."""
     size = len(term.cause.parameters)
-    _, sd = reference.spread(term.key, size)
-    wide = np.hypot(sd, [p.elsewhere for p in term.cause.parameters])
+    wide = _spread(term, reference)
     gate = reference.gate(term.key)
-    linear = term.cause.smooth and all(np.isfinite(p.null) for p in term.cause.parameters)
+    linear = _linear(term)
     best = np.full((size, len(tracks.robots)), np.nan)
     for probe in sorted(probes, key=lambda one: float(np.abs(one.unit).max())):
         k = int(np.argmax(np.abs(probe.unit)))
         unit = float(strength(term, probe.unit[None], tracks.commands)[0, k])
         if unit == 0.0:
             continue
-        health = float(wide[k]) / abs(unit) if term.cause.smooth else 0.0
+        health = np.hypot(wide[k], extra[k]) / abs(unit) * term.cause.smooth
         dose, tried = _dose(probe, health, gate, blocks, reference.gates.gain), abs(probe.unit[k])
         shown = dose <= 1.0
         if not np.isfinite(term.cause.parameters[k].null):
             best[k] = np.where(shown, np.fmax(best[k], tried), best[k])
         elif not linear:  # the least from which on all are seen
             best[k] = np.where(shown, np.fmin(best[k], tried), np.nan)
-        elif tried <= term.cause.parameters[k].step:
+        elif _is_step(probe):
             best[k] = np.fmin(best[k], dose * tried)
         else:
             best[k] = np.where(shown, np.fmin(best[k], tried), best[k])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import pandas as pd
 
 from models.diagnosis import Diagnosis
 from models.identify.structure import Follow
@@ -10,6 +12,8 @@ from models.identify.swarm import Identified
 from models.identify.tracks import Tracks
 from models.modelfile import ModelFile
 from models.reference import Reference
+
+KINDS = ("model as it was", "of a healthy robot", "extended model")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -22,3 +26,6 @@ class Examination:
     identified: Identified
     structure: list[Follow]
     diagnosis: Diagnosis
+    errors: pd.DataFrame = field(default_factory=pd.DataFrame)
+    """Per `robot`, `seconds` ahead and `kind` of `KINDS` the mean `error` (m) of the predicted
+    position, as in the diagnosis' gain."""

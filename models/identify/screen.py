@@ -6,7 +6,7 @@ costs a replay per dose and says which robots are worth full fits, and what a sw
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -47,20 +47,34 @@ def glance(problem: Problem, motions: Sequence[Motion] | None = None) -> list[Gl
         problem = Problem(
             problem.tracks, motions, groups=problem.groups, scale=problem.scale.copy()
         )
+    return [one.glance for one in looks(problem)]
+
+
+class Look(NamedTuple):
+    """A glance and what it was taken from."""
+
+    glance: Glance
+    change: FloatArray
+    """(n, 3) of the errors with dose 1."""
+    weight: FloatArray
+    """(n, 3) of their squares."""
+
+
+def looks(problem: Problem) -> Iterator[Look]:
+    """Every term at every dose, one after the other."""
     none = problem.residual((), np.zeros((problem.count, 0)))
     scale = problem.scale
     problem.scale = np.maximum(scale, problem.spread(none))
     w = weights(none, problem.row_scale)
     problem.scale = scale
-    found = []
     for term in candidates():
         for unit in _doses(term, problem.tracks.commands):
             try:
                 changed = problem.residual((term,), np.tile(unit, (problem.count, 1)))
             except Diverged:
                 continue
-            found.append(_step(problem, term, unit, none, changed - none, w))
-    return found
+            change = changed - none
+            yield Look(_step(problem, term, unit, none, change, w), change, w)
 
 
 def _doses(term: Term, commands: FloatArray) -> list[FloatArray]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,6 +11,8 @@ from embedded_sim import SENSORS, PointModel
 from embedded_sim.model import FloatArray
 from models.causes import Motion
 from models.diagnosis import Unexplained
+from models.held_out import parts
+from models.identify.fitted import Values
 from models.identify.swarm import Named
 from models.log import MeasuredLog
 from models.schema import LS, PS
@@ -24,8 +26,9 @@ from models.senses.naming import dead_named, fitted_named, nest_named, noise_nam
 from models.senses.predicted import predict
 from models.senses.problem import SWARM, Fit, Problem, Term
 from models.senses.reference import SenseReference, no_sense_reference
+from models.senses.refit import noise_values, of_fit, of_nest, of_noise
 from models.senses.select import Found, choose
-from models.senses.sight import Bools, Sight, look
+from models.senses.sight import Bools, Rows, Sight, look
 from models.senses.structure import Follow
 from models.senses.unmeasured import unmeasured_causes, unmeasured_structure
 from models.senses.unnamed import named_or_not
@@ -63,6 +66,15 @@ class SenseExamination:
     """Every flexible term beside those."""
     reference: SenseReference | None = None
     """What health was taken from."""
+    by_part: tuple[Values, ...] = ({}, {})
+    """The names' values that each part of the log gives by itself."""
+    scatter: FloatArray | None = None
+    """(parts, robots) logarithm of the infrared noise's scale over the healthy one in each part;
+    None: none is named."""
+    answers: nest.Answers | None = None
+    """Of the virtual sensor about the nest."""
+    answers_part: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    """(answers,) part of the log of each."""
 
 
 def diagnose_senses(
@@ -86,10 +98,21 @@ def diagnose_senses(
     """
     healthy = no_sense_reference("") if reference is None else reference
     missing = [*_missing(log, model, reference), *unmeasured_causes(log, model, healthy)]
-    named = _nest(log, model, missing)
+    answers = nest.answers(log)
+    nests = _nest(answers, model, missing)
+    part = np.zeros(0, dtype=np.int64) if answers is None else parts(log)[answers.rows]
+    by_part = of_nest(answers, part, model.nest, nests)
+    named = nest_named(nests)
     if model.tables is None or not any(name in log.frame for name in (*PS, *LS)):
         named, unnamed = named_or_not(named)
-        return SenseExamination(named=named, unexplained=unnamed, not_checked=tuple(missing))
+        return SenseExamination(
+            named=named,
+            unexplained=unnamed,
+            not_checked=tuple(missing),
+            by_part=by_part,
+            answers=answers,
+            answers_part=part,
+        )
     sight = look(log, model, seen, moved=moved)
     common = Belief(senses=model.senses)
     base = [healthy.base((believed or {}).get(robot, common)) for robot in sight.robots]
@@ -114,8 +137,16 @@ def diagnose_senses(
     judged = judge(problem, chosen, healthy)
     found = [_wall_or_sensors(one, problem, judged.fit, healthy) for one in judged.found]
     named += fitted_named(found, sight.robots, healthy)
-    named += dead_named(blind, sight.robots)
-    named += noise_named(judged.believable(noisy), sight.robots)
+    dead = dead_named(blind, sight.robots)
+    believed_noisy = judged.believable(noisy)
+    named += dead + noise_named(believed_noisy, sight.robots)
+    both = tuple((one.term, other) for one, other in zip(judged.found, found, strict=True))
+    of_parts = [by_part, of_fit(problem, judged.fit, both, healthy)]
+    of_parts.append(tuple({one.key: one.values for one in dead} for _ in by_part))
+    scatter = None
+    if any(u != 0.0 for u, *_ in believed_noisy):
+        scatter = of_noise(Problem(sight, model, after, use), expected, healthy)
+        of_parts.append(noise_values(scatter, believed_noisy, sight))
     named, unnamed = named_or_not(named)
     return SenseExamination(
         named=named,
@@ -126,6 +157,17 @@ def diagnose_senses(
         fit=judged.fit,
         structure=judged.structure,
         reference=healthy,
+        by_part=_merged(of_parts),
+        scatter=scatter,
+        answers=answers,
+        answers_part=part,
+    )
+
+
+def _merged(found: Sequence[Sequence[Values]]) -> tuple[Values, ...]:
+    """By part of the log, the values of all kinds of causes."""
+    return tuple(
+        {k: v for one in part for k, v in one.items()} for part in zip(*found, strict=True)
     )
 
 
@@ -174,12 +216,13 @@ def _missing(log: MeasuredLog, model: PointModel, reference: SenseReference | No
     return said
 
 
-def _nest(log: MeasuredLog, model: PointModel, missing: list[str]) -> tuple[Named, ...]:
+def _nest(
+    answers: nest.Answers | None, model: PointModel, missing: list[str]
+) -> list[nest.NestFound]:
     """What is wrong with the nest; says whose answers say nothing."""
-    answers = nest.answers(log)
     if answers is None:
         missing.append("no nest: nest_moved, nest_radius")
-        return ()
+        return []
     silent = sorted(set(np.unique(answers.robot).tolist()) - set(nest.crossed(answers)))
     if silent:
         robots = ", ".join(map(str, silent))
@@ -187,7 +230,7 @@ def _nest(log: MeasuredLog, model: PointModel, missing: list[str]) -> tuple[Name
             f"nest_moved, nest_radius of robots {robots} by themselves: they crossed the nest's "
             f"edge less than {nest.LEAST_CROSSINGS} times"
         )
-    return nest_named(nest.find(answers, model.nest))
+    return nest.find(answers, model.nest)
 
 
 def _noise(

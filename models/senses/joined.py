@@ -5,29 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 
-import numpy as np
-
-from embedded_sim import SENSORS, PointModel, Tables
-from embedded_sim.model import FloatArray
+from embedded_sim import PointModel, Tables
 from models.causes import Motion
-from models.diagnosis import Gain, Unexplained
+from models.claims import claimed
+from models.diagnosis import Unexplained
 from models.identify.examination import Examination
 from models.identify.swarm import Named
 from models.log import MeasuredLog
 from models.schema import LS, PS
 from models.senses.cause import Belief
+from models.senses.claims import sense_claims
 from models.senses.clock import TWINS, shifts, swapped, told_apart
 from models.senses.diagnose import SenseExamination, diagnose_senses
-from models.senses.predicted import predict
 from models.senses.problem import Problem
 from models.senses.reference import SenseReference, no_sense_reference
-from models.senses.sight import Bools, Rows, look
+from models.senses.sight import look
 
 MARKERS = ("tracker_yaw_offset", "tracker_offset", "clock_offset")
 """Causes in motion that put the measured pose beside the true one."""
-RESAMPLED = 400
-"""Bootstrap samples of blocks for a gain's interval."""
-KINDS = {"infrared": slice(0, SENSORS), "light": slice(SENSORS, 2 * SENSORS)}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -60,7 +55,7 @@ def with_senses(
     if model.extension is not None:
         believed = {r: Belief(senses=model.extension.sensed(r).senses) for r in robots}
     point = model.point_model(tables)
-    examined = _clocks_told_apart(examined, log, point, reference, believed)
+    examined = _clocks_told_apart(examined, log, point, reference, believed, seed)
     found = examined.diagnosis
     senses = diagnose_senses(
         log,
@@ -70,12 +65,13 @@ def with_senses(
         seen=_askew(examined),
         moved=_moved(examined),
     )
+    named, ended, gain = sense_claims(senses, model, tables, seed=seed)
     joined = replace(
         found,
-        named=(*found.named, *senses.named),
-        unexplained=(*found.unexplained, *senses.unexplained),
+        named=(*found.named, *named),
+        unexplained=(*found.unexplained, *senses.unexplained, *ended),
         not_checked=(*found.not_checked, *senses.not_checked),
-        gain={**found.gain, **_gains(senses, np.random.default_rng(seed))},
+        gain={**found.gain, **gain},
     )
     kept = {one.name: getattr(examined, one.name) for one in fields(examined)}
     return WholeExamination(**{**kept, "diagnosis": joined}, senses=senses)
@@ -87,6 +83,7 @@ def _clocks_told_apart(
     model: PointModel,
     reference: SenseReference | None,
     believed: Mapping[int, Belief],
+    seed: int,
 ) -> Examination:
     """The same, with the sensors' word on whether a robot or its tracker is late."""
     identified, found = examined.identified, examined.diagnosis
@@ -94,23 +91,23 @@ def _clocks_told_apart(
     if not seen:
         return examined
     healthy = no_sense_reference("") if reference is None else reference
-    names = [one.term.cause.name for one in identified.named]
+    names = [one.term.cause.name for one in found.named]
     explained = dict(zip(examined.tracks.robots, identified.explained, strict=True))
-    told: list[Named | Unexplained] = list(identified.named)
+    told: list[Named | Unexplained] = list(found.named)
     if set(names) & set(TWINS):
         sight = look(log, model)
         common = Belief(senses=model.senses)
         base = [healthy.base(believed.get(robot, common)) for robot in sight.robots]
         shift = shifts(Problem(sight, model, base, sight.free))
-        told = [told_apart(o, sight.robots, shift, healthy.clock) for o in identified.named]
-        for old, new in zip(identified.named, told, strict=True):
+        told = [told_apart(o, sight.robots, shift, healthy.clock) for o in found.named]
+        for old, new in zip(found.named, told, strict=True):
             if isinstance(new, Named):
                 swap = {robot: swapped(explained[robot], old, new) for robot in new.robots}
                 explained.update(swap)
     kept = tuple(one for one in told if isinstance(one, Named))
     left = tuple(one for one in told if isinstance(one, Unexplained))
     both = " and ".join(sorted(TWINS))
-    return replace(
+    changed = replace(
         examined,
         identified=replace(identified, named=kept, explained=tuple(explained.values())),
         diagnosis=replace(
@@ -120,6 +117,7 @@ def _clocks_told_apart(
             not_checked=tuple(text for text in found.not_checked if both not in text),
         ),
     )
+    return claimed(changed, log, seed=seed) if left else changed
 
 
 def _moved(examined: Examination) -> dict[int, Motion]:
@@ -151,47 +149,4 @@ def _without(healthy: Motion, believed: Motion) -> Motion:
         lever=(ahead, left),
         yaw_offset=healthy.yaw_offset - believed.yaw_offset,
         pose_delay=healthy.pose_delay - believed.pose_delay,
-    )
-
-
-def _gains(senses: SenseExamination, rng: np.random.Generator) -> dict[str, Gain]:
-    """Mean absolute error of the readings that are judged, before and after, where any is named."""
-    problem, fit, sight = senses.problem, senses.fit, senses.sight
-    named = [one for one in senses.named if one.term.cause.columns != ("nest",)]
-    if problem is None or fit is None or sight is None or not named:
-        return {}
-    concerned = {robot for one in named for robot in one.robots}
-    rows = np.isin(np.array(sight.robots), list(concerned))[sight.robot]
-    before = predict(
-        sight, problem.model, [Belief(senses=problem.model.senses)] * len(problem.base)
-    )
-    after = predict(sight, problem.model, problem.beliefs(fit.terms, fit.coordinates))
-    result = {}
-    for kind, columns in KINDS.items():
-        use = problem.use[:, columns] & rows[:, None]
-        if not use.any():
-            continue
-        errors = [
-            np.where(use, np.abs(sight.read - counts)[:, columns], 0.0)
-            for counts in (before, after)
-        ]
-        result[f"{kind}_reading"] = _gain(errors, use, sight.block, rng)
-    return result
-
-
-def _gain(errors: list[FloatArray], use: Bools, block: Rows, rng: np.random.Generator) -> Gain:
-    number = np.bincount(block, use.sum(axis=1))
-    before, after = (np.bincount(block, np.nan_to_num(e).sum(axis=1)) for e in errors)
-    some = np.flatnonzero(number)
-    picks = some[rng.integers(0, len(some), (RESAMPLED, len(some)))]
-    tried = after[picks].sum(axis=1) / number[picks].sum(axis=1)
-    low, high = np.quantile(tried, (0.025, 0.975))
-    total = float(number.sum())
-    return Gain(
-        before=float(before.sum()) / total,
-        after=float(after.sum()) / total,
-        low=float(low),
-        high=float(high),
-        healthy=None,
-        unit="counts",
     )

@@ -96,7 +96,7 @@ def find(seen: Answers, nest: tuple[float, float, float]) -> list[NestFound]:
             for one in shared:
                 believed[list(CAUSES[one.name])] += one.coordinates
     for robot in robots.tolist():
-        found += _changes(_only(seen, seen.robot == robot), nest, believed)
+        found += _changes(only(seen, seen.robot == robot), nest, believed)
     return found
 
 
@@ -111,12 +111,13 @@ def crossed(seen: Answers) -> list[int]:
 
 def lost_by(seen: Answers, nest: tuple[float, float, float], truth: FloatArray, name: str) -> float:
     """Deviance that the best change of one kind loses against a true change (3,) of the nest."""
-    near = _near_edge(seen, nest)
-    best = _fit(near, nest, np.zeros(3), CAUSES[name])
+    near = near_edge(seen, nest)
+    best = fitted(near, nest, np.zeros(3), CAUSES[name])
     return float((_loss(near, nest, best) - _loss(near, nest, truth)).sum())
 
 
-def _only(seen: Answers, rows: npt.NDArray[np.bool_]) -> Answers:
+def only(seen: Answers, rows: npt.NDArray[np.bool_]) -> Answers:
+    """Some of the answers."""
     place, inside, block, robot, of_log = seen
     return Answers(place[rows], inside[rows], block[rows], robot[rows], of_log[rows])
 
@@ -131,7 +132,7 @@ def _loss(
     return np.asarray(-2.0 * np.log(0.5 * WRONG + (1.0 - WRONG) * yes))
 
 
-def _fit(
+def fitted(
     seen: Answers, nest: tuple[float, float, float], believed: FloatArray, free: tuple[int, ...]
 ) -> FloatArray:
     """(3,) change with some coordinates free."""
@@ -175,14 +176,14 @@ def _changes(
     if before < GAIN:
         return []
     robots = tuple(int(robot) for robot in np.unique(seen.robot))
-    seen = _near_edge(seen, nest)
+    seen = near_edge(seen, nest)
     before = float(_loss(seen, nest, believed).sum())
-    fits = {name: _fit(seen, nest, believed, free) for name, free in CAUSES.items()}
+    fits = {name: fitted(seen, nest, believed, free) for name, free in CAUSES.items()}
     after = {n: float(_loss(seen, nest, f).sum()) + 2.0 * len(CAUSES[n]) for n, f in fits.items()}
     best = min(after, key=lambda n: after[n])
     names: tuple[str, ...] = (best,)
     fit = fits[best]
-    both = _fit(seen, nest, fit, (0, 1, 2))
+    both = fitted(seen, nest, fit, (0, 1, 2))
     if after[best] - float(_loss(seen, nest, both).sum()) > GAIN:
         names, fit = tuple(CAUSES), both
     error = _error(seen, nest, fit)
@@ -212,13 +213,13 @@ def _changes(
     return found
 
 
-def _near_edge(seen: Answers, nest: tuple[float, float, float]) -> Answers:
+def near_edge(seen: Answers, nest: tuple[float, float, float]) -> Answers:
     """Without answers so far inside or outside that no believable nest would change them."""
     away = np.abs(np.hypot(seen.place[:, 0] - nest[0], seen.place[:, 1] - nest[1]) - nest[2])
     expected = np.hypot(seen.place[:, 0] - nest[0], seen.place[:, 1] - nest[1]) < nest[2]
     wrong = expected != seen.inside
     reach = 0.05 + (float(away[wrong].max()) if wrong.any() else 0.0)
-    return _only(seen, away < reach)
+    return only(seen, away < reach)
 
 
 def _error(seen: Answers, nest: tuple[float, float, float], fit: FloatArray) -> FloatArray:
@@ -245,8 +246,8 @@ def _held_out(
         out = fold == k
         if not out.any() or out.all():
             continue
-        fit = _fit(_only(seen, ~out), nest, believed, free)
-        rest = _only(seen, out)
+        fit = fitted(only(seen, ~out), nest, believed, free)
+        rest = only(seen, out)
         gain += float((_loss(rest, nest, believed) - _loss(rest, nest, fit)).sum())
     return gain
 
@@ -258,7 +259,7 @@ def _most_agree(seen: Answers, nest: tuple[float, float, float], shared: list[Ne
         change[list(CAUSES[one.name])] += one.coordinates
     better = []
     for robot in crossed(seen):
-        mine = _only(seen, seen.robot == robot)
+        mine = only(seen, seen.robot == robot)
         gain = _loss(mine, nest, np.zeros(3)).sum() - _loss(mine, nest, change).sum()
         better.append(gain > 0.0)
     return bool(better) and float(np.mean(better)) >= ALIKE

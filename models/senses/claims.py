@@ -1,0 +1,264 @@
+"""What may be said of the senses: which names are exported, and what that gains in readings.
+
+As for motion (`models.claims`), readings of one part of the log are predicted by a model file whose
+values the other part gave. Errors are mean absolute ones, in counts, over the readings that
+`models.prediction` judges; of the nest they are answers predicted wrongly. `ir_noise`, which
+changes no reading but how much readings scatter, is exported if the scatter of either part lies
+nearer to that of the other than to a healthy robot's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from embedded_sim import SENSORS, PointModel, Tables
+from embedded_sim.model import FloatArray
+from models.blocks import Better, better, interval
+from models.claims import bounded
+from models.diagnosis import Gain, Unexplained
+from models.extended import as_written
+from models.frames import Rows
+from models.harm import harmless, robots_of
+from models.held_out import PARTS
+from models.identify.fitted import Values
+from models.identify.swarm import Named
+from models.modelfile import ModelFile
+from models.prediction import judged_readings
+from models.senses.cause import Belief
+from models.senses.diagnose import SenseExamination
+from models.senses.nest import Answers
+from models.senses.predicted import noise, predict
+from models.senses.problem import Problem
+from models.senses.sight import Sight
+from models.written import written
+
+READINGS = {"infrared_reading": "ps", "light_reading": "ls"}
+"""Of `gain` in `diagnosis.json`, the kind of sensor that each is of."""
+NEST = "nest_answer"
+NOISE = "ir_noise"
+
+
+class SensePredictions:
+    """What models with some of the named causes in the senses predict, as `models.harm` asks."""
+
+    useless = "seen, but the model with it predicts readings no better: not exported"
+
+    def __init__(
+        self,
+        senses: SenseExamination,
+        model: ModelFile,
+        named: Sequence[Named],
+        tables: Tables | None,
+    ) -> None:
+        self.senses, self.model, self.named = senses, model, named
+        self.by_part: tuple[Values, ...] = senses.by_part
+        plain = model.model_copy(update={"extension": None})
+        self.point: PointModel = plain.point_model(tables)
+        sight = senses.sight
+        self.judged: dict[str, npt.NDArray[np.bool_]] = {}
+        if sight is not None and senses.problem is not None:
+            expected = predict(
+                sight, self.point, [Belief(senses=self.point.senses)] * len(sight.robots)
+            )
+            self.judged = judged_readings(sight.free & np.isfinite(sight.read), expected)
+        self._counts: dict[tuple[int, frozenset[int]], FloatArray] = {}
+
+    @staticmethod
+    def harms(keys: Sequence[str]) -> str:
+        """Why a cause is not exported, in words."""
+        words = " and ".join(k.split("_")[0] for k in keys)
+        return f"seen, but the model with it predicts {words} worse: not exported"
+
+    def belief(self, robot: int, causes: frozenset[int], part: int) -> Belief:
+        """What the model file with some causes that judges a part has a robot believe."""
+        values = self.by_part[1 - part]
+        mine = [self.named[k] for k in sorted(causes) if robot in self.named[k].robots]
+        file = self.model
+        if mine:
+            file = as_written(file, [written(one, values[one.key]) for one in mine])
+        return Belief() if file.extension is None else file.extension.sensed(robot)
+
+    def read(self, robot: int, causes: frozenset[int]) -> FloatArray:
+        """(rows of the robot, 16) size of the errors of readings."""
+        sight = self.senses.sight
+        assert sight is not None
+        mine = frozenset(k for k in causes if robot in self.named[k].robots)
+        if (robot, mine) not in self._counts:
+            index = sight.robots.index(robot)
+            rows = sight.rows_of(index)
+            counts = np.zeros((rows.stop - rows.start, 2 * SENSORS))
+            beliefs = [Belief()] * len(sight.robots)
+            for part in range(PARTS):
+                beliefs[index] = self.belief(robot, mine, part)
+                told = predict(sight, self.point, beliefs, [index])[rows]
+                counts = np.where((sight.part[rows] == part)[:, None], told, counts)
+            self._counts[robot, mine] = np.abs(sight.read[rows] - counts)
+        return self._counts[robot, mine]
+
+    def sizes(self, robots: Sequence[int], causes: frozenset[int], name: str) -> FloatArray:
+        """(readings or answers,) errors of some robots."""
+        if name == NEST:
+            return self._wrong(robots, causes)
+        each = [half(self.read(robot, causes), name)[self.use(robot, name)] for robot in robots]
+        return np.concatenate([np.zeros(0), *each])
+
+    def block(self, robots: Sequence[int], name: str) -> Rows:
+        """(the same,) block of time of each."""
+        if name == NEST:
+            answers, part = self._answers()
+            rows = np.isin(answers.robot, robots)
+            return answers.block[rows] * PARTS + part[rows]
+        sight = self.senses.sight
+        assert sight is not None
+        found = []
+        for robot in robots:
+            mine = sight.rows_of(sight.robots.index(robot))
+            both = sight.block[mine] * PARTS + sight.part[mine]
+            use = self.use(robot, name)
+            found.append(np.broadcast_to(both[:, None], use.shape)[use])
+        return np.concatenate([np.zeros(0, dtype=np.int64), *found])
+
+    def compare(
+        self, robots: Sequence[int], before: frozenset[int], after: frozenset[int]
+    ) -> dict[str, Better]:
+        """By key, how much better readings of robots are predicted with other causes."""
+        found = {}
+        for name in self.keys:
+            less, more = (self.sizes(robots, causes, name) for causes in (before, after))
+            one = better(less, more, self.block(robots, name))
+            if one is not None:
+                found[name] = one
+        scatter = self._scatter(robots, after - before, before - after)
+        return found | scatter
+
+    @property
+    def keys(self) -> list[str]:
+        """What can be judged."""
+        names = [name for name, kind in READINGS.items() if kind in self.judged]
+        return names + ([NEST] if self.senses.answers is not None else [])
+
+    def use(self, robot: int, name: str) -> npt.NDArray[np.bool_]:
+        """(rows of the robot, 8) readings that are judged."""
+        sight = self.senses.sight
+        assert sight is not None
+        return self.judged[READINGS[name]][sight.rows_of(sight.robots.index(robot))]
+
+    def _answers(self) -> tuple[Answers, Rows]:
+        assert self.senses.answers is not None
+        return self.senses.answers, self.senses.answers_part
+
+    def _wrong(self, robots: Sequence[int], causes: frozenset[int]) -> FloatArray:
+        """(answers,) 1 where the virtual sensor's answer about the nest is predicted wrongly."""
+        answers, part = self._answers()
+        wrong = np.zeros(len(answers.robot))
+        for robot in robots:
+            for k in range(PARTS):
+                these = (answers.robot == robot) & (part == k)
+                x, y, radius = self.belief(robot, causes, k).of(self.point).nest
+                away = answers.place[these] - [x, y]
+                wrong[these] = (np.hypot(away[:, 0], away[:, 1]) < radius) != answers.inside[these]
+        return wrong[np.isin(answers.robot, robots)]
+
+    def _scatter(
+        self, robots: Sequence[int], added: frozenset[int], taken: frozenset[int]
+    ) -> dict[str, Better]:
+        """Whether noise that is named or not makes the scatter of readings nearer."""
+        changed = [k for k in added | taken if self.named[k].term.cause.name == NOISE]
+        scales = self.senses.scatter
+        if not changed or scales is None or self.senses.sight is None:
+            return {}
+        mine = [self.senses.sight.robots.index(robot) for robot in robots]
+        one, other = scales[:, mine]
+        far, near = np.nanmean(np.abs([one, other])), np.nanmean(np.abs(one - other))
+        nearer = bool(np.abs(one - other).mean() < np.abs(one).mean()) and bool(
+            np.abs(one - other).mean() < np.abs(other).mean()
+        )
+        if changed[0] in taken:
+            nearer, far, near = not nearer, near, far
+        return {
+            "scatter_of_infrared": Better(float(1.0 - near / max(far, 1e-12)), float(not nearer))
+        }
+
+
+def half(errors: FloatArray, name: str) -> FloatArray:
+    """(rows, 8) of infrared or light, out of (rows, 16)."""
+    return errors[:, :SENSORS] if READINGS[name] == "ps" else errors[:, SENSORS:]
+
+
+def sense_claims(
+    senses: SenseExamination, model: ModelFile, tables: Tables | None, *, seed: int
+) -> tuple[tuple[Named, ...], tuple[Unexplained, ...], dict[str, Gain]]:
+    """Names with whether they are exported, what ended at a bound, and the gain in readings."""
+    inside, ended = bounded(senses.named)
+    predictions = SensePredictions(senses, model, inside, tables)
+    refused = harmless(predictions)
+    named = tuple(
+        replace(one, exported=k not in refused, why=refused.get(k, ""))
+        for k, one in enumerate(inside)
+    )
+    exported = frozenset(range(len(named))) - refused.keys()
+    rng = np.random.default_rng(seed)
+    return named, ended, _gains(predictions, named, exported, rng)
+
+
+def _gains(
+    predictions: SensePredictions,
+    named: Sequence[Named],
+    exported: frozenset[int],
+    rng: np.random.Generator,
+) -> dict[str, Gain]:
+    """By key, errors of the readings of the robots whose causes are exported, or of all.
+
+    What healthy robots leave is known of light alone: beside a wall infrared is off by much more
+    now and then, and how often no reference says.
+    """
+    sight, problem = predictions.senses.sight, predictions.senses.problem
+    if sight is None or problem is None:
+        return {}
+    robots = robots_of([named[k] for k in sorted(exported)], sight.robots)
+    sound = _sound(predictions, sight, problem, rng)
+    result = {}
+    for name in READINGS:
+        before = predictions.sizes(robots, frozenset(), name)
+        if not len(before):
+            continue
+        after = predictions.sizes(robots, exported, name)
+        low, high = interval(after, predictions.block(robots, name), rng)
+        healthy = None
+        if sound is not None and READINGS[name] == "ls":
+            rows = [sight.rows_of(sight.robots.index(robot)) for robot in robots]
+            each = [
+                half(sound[r], name)[predictions.use(robot, name)]
+                for robot, r in zip(robots, rows, strict=True)
+            ]
+            healthy = float(np.concatenate(each).mean())
+        result[name] = Gain(
+            before=float(before.mean()),
+            after=float(after.mean()),
+            low=low,
+            high=high,
+            healthy=healthy,
+            unit="counts",
+        )
+    return result
+
+
+def _sound(
+    predictions: SensePredictions, sight: Sight, problem: Problem, rng: np.random.Generator
+) -> FloatArray | None:
+    """(rows, 16) size of the minimal model's errors of a healthy robot that was at the same places;
+    None: nobody knows."""
+    reference = predictions.senses.reference
+    if reference is None or not reference.robots:
+        return None
+    point = predictions.point
+    minimal = [Belief(senses=point.senses)] * len(sight.robots)
+    healthy = [reference.base(one) for one in minimal]
+    counts = predict(sight, point, healthy)
+    spread = noise(sight, point, healthy, counts) * np.exp(reference.noise.mean)
+    read = counts + spread * rng.normal(size=counts.shape)
+    return np.asarray(np.abs(read - predict(sight, point, minimal)))

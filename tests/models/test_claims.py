@@ -1,0 +1,321 @@
+"""What a diagnosis claims holds: its gain, what it exports, what it could not have seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import stats
+
+from embedded_sim import Drive
+from models.blocks import Better, better
+from models.causes import Motion, causes
+from models.claims import bounded
+from models.diagnosis import as_json, extension
+from models.extended import as_written, extended_text, read_back
+from models.harm import harmless
+from models.held_out import parts
+from models.identify.fit import Problem
+from models.identify.fitted import Fitted, Told, refitted
+from models.identify.hypothesis import Term
+from models.identify.swarm import Named
+from models.identify.tracks import cut_tracks
+from models.identify.value import Value
+from models.log import MeasuredLog, make_log
+from models.prediction import prediction_errors
+from models.written import written
+from tests.models.small import driven_log
+from tests.models.test_diagnosis import named
+from tests.models.test_identify import HEALTHY, MODEL, diagnosed, names, reference, table
+
+MISMATCH = replace(HEALTHY, wheel_radius=(0.0203, 0.0207))
+
+
+def log_of(frame: pd.DataFrame) -> MeasuredLog:
+    return make_log(frame, drive=MODEL.motion().drive)
+
+
+def test_where_nothing_is_exported_nothing_is_gained_to_the_last_bit() -> None:
+    found = diagnosed(table(7, {}))
+    assert found.verdict == "nothing_wrong"
+    assert set(found.gain) == {
+        f"{channel}_{ahead}s" for channel in ("position", "heading") for ahead in (1, 5, 20)
+    }
+    assert all(gain.before == gain.after for gain in found.gain.values())
+    # the reference says of itself what the minimal model leaves of healthy robots, and it is that
+    for gain in found.gain.values():
+        assert gain.healthy == pytest.approx(gain.before, rel=0.1)
+
+
+def test_the_gain_is_that_of_the_file_on_the_part_that_its_values_were_not_fitted_to() -> None:
+    frame = table(8, {1: MISMATCH})
+    found = diagnosed(frame)
+    log, minimal = log_of(frame), MODEL
+    [cause] = found.named
+    halves = [frame[(frame["t"] < 30.0) == early] for early in (True, False)]
+    total, number = 0.0, 0
+    for fitted, judged in (halves, halves[::-1]):
+        # the values of a half, by a diagnosis of that half alone
+        [alone] = [one for one in diagnosed(fitted).named if one.key == cause.key]
+        text = extended_text(
+            minimal, extension(replace(found, named=(alone,)), log_hash="", command="")
+        )
+        models = {"before": minimal, "after": read_back(text)}
+        errors = prediction_errors(log_of(judged), models, None)
+        some = errors[(errors["robot"] == 1) & (errors["horizon"] == "5 s")]
+        some = some[(some["channel"] == "position") & (some["model"] == "after")]
+        total, number = total + some["total"].sum(), number + some["number"].sum()
+    assert found.gain["position_5s"].after == pytest.approx(total / number, rel=0.02)
+    assert found.gain["position_5s"].after < 0.7 * found.gain["position_5s"].before
+    assert len(log.segments) == 3
+
+
+def test_each_part_of_a_log_gives_the_values_that_hold_in_it() -> None:
+    first = driven_log(3, robots=1, rows=1500, drive=Drive(wheel_radius=(0.0200, 0.0210)))
+    then = driven_log(4, robots=1, rows=1500, drive=Drive(wheel_radius=(0.0207, 0.0203)))
+    noise = np.random.default_rng(0).normal(0.0, 1.0, (3000, 3)) * [5e-4, 5e-4, 5e-3]
+    both = pd.concat([first.assign(run="a"), then.assign(run="b")], ignore_index=True)
+    both[["x", "y", "yaw"]] += noise
+    cut = cut_tracks(log_of(both), MODEL)
+    term = Term(causes()["wheel_radius_mismatch"], "")
+    problem = Problem(cut, [Motion(drive=Drive())])
+    fit = problem.fit((term,), [np.zeros((1, 1))])
+    none = np.zeros(1)
+    told = Told(searched=term, term=term, mean=none, sd=none, feigned=0.0)
+    fitted = Fitted(problem=problem, fit=fit, told=(told,), believed=(term,))
+    ratios = [refitted([fitted], part)[term, (0,)][0].value for part in (0, 1)]
+    assert ratios == pytest.approx([0.0210 / 0.0200, 0.0203 / 0.0207], abs=0.004)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(st.tuples(st.sampled_from("abc"), st.integers(0, 2)), min_size=1, unique=True))
+def test_every_robot_is_in_both_parts_and_runs_are_whole_where_they_can_be(
+    present: Sequence[tuple[str, int]],
+) -> None:
+    frame = pd.concat(
+        driven_log(k, robots=1, rows=40).assign(run=run, robot=robot)
+        for k, (run, robot) in enumerate(present)
+    )
+    log = log_of(frame)
+    part, robot = parts(log), log.frame["robot"].to_numpy()
+    run = log.frame["run"].to_numpy()
+    for one in np.unique(robot):
+        mine = robot == one
+        assert set(part[mine]) == {0, 1}
+        if len(np.unique(run[mine])) == 1:
+            assert (np.diff(part[mine]) >= 0).all()
+    for one in np.unique(run):
+        apart = [
+            r for r in np.unique(robot) if len(np.unique(part[(robot == r) & (run == one)])) > 1
+        ]
+        halved = [r for r in apart if len(np.unique(part[robot == r])) == 2]
+        assert apart == halved
+
+
+class Programmed:
+    """Predictions that say what a test wants: by key, of each cause left out, how much it helped."""
+
+    useless = "useless"
+
+    def __init__(self, of_cause: dict[int, dict[str, Better]], together: dict[str, Better]) -> None:
+        self.of_cause, self.together = of_cause, together
+        self.named = [named() for _ in of_cause]
+        self.by_part = ({one.key: () for one in self.named},) * 2
+
+    @staticmethod
+    def harms(keys: Sequence[str]) -> str:
+        return f"harms {' '.join(keys)}"
+
+    def compare(
+        self, robots: Sequence[int], before: frozenset[int], after: frozenset[int]
+    ) -> dict[str, Better]:
+        [*out] = after - before
+        return (
+            self.of_cause[out[0]]
+            if before
+            else self.together
+            if len(out) > 1
+            else self.of_cause[out[0]]
+        )
+
+
+HELPS = {"position_1s": Better(0.3, 1e-6), "position_20s": Better(0.2, 0.01)}
+HARMS_LATER = {"position_1s": Better(0.3, 1e-6), "position_20s": Better(-0.5, 0.999)}
+
+
+def test_a_cause_that_helps_now_and_harms_later_is_not_exported() -> None:
+    assert harmless(Programmed({0: HELPS, 1: HARMS_LATER}, HELPS)) == {1: "harms position_20s"}
+
+
+def test_a_cause_that_helps_nowhere_is_not_exported() -> None:
+    chance = {"position_1s": Better(0.01, 0.3), "position_20s": Better(-0.01, 0.7)}
+    assert harmless(Programmed({0: HELPS, 1: chance}, HELPS)) == {1: "useless"}
+
+
+def test_causes_that_help_one_by_one_and_harm_together_are_not_exported_together() -> None:
+    found = harmless(Programmed({0: HELPS, 1: {"position_1s": Better(0.1, 0.04)}}, HARMS_LATER))
+    assert found == {1: "harms position_20s"}
+
+
+def test_a_growth_of_errors_that_is_sure_but_tiny_is_no_harm() -> None:
+    tiny = {**HELPS, "heading_5s": Better(-0.01, 0.9999)}
+    assert harmless(Programmed({0: tiny}, tiny)) == {}
+
+
+def test_better_is_a_paired_t_test_over_blocks() -> None:
+    rng = np.random.default_rng(5)
+    before, after = rng.normal(1.0, 0.2, (2, 40)).repeat(10, axis=1)
+    block = np.arange(40).repeat(10)
+    found = better(before, after, block)
+    expected = stats.ttest_1samp(before[::10] - after[::10], 0.0, alternative="greater")
+    assert found is not None
+    assert found.level == pytest.approx(expected.pvalue)
+    assert found.share == pytest.approx((before - after).mean() / before.mean())
+    assert better(before, after, np.zeros(400)) is None
+
+
+@pytest.mark.parametrize("value", [1.0, 1.0 - 1e-9, 1.3])
+def test_a_value_at_its_bound_is_no_name_but_unexplained_with_the_bound(value: float) -> None:
+    term = Term(causes()["motor_lag"], "")
+    at_end = replace(named(), term=term, values=(Value("time_constant", value, 0.9, 1.1, "s"),))
+    inside, ended = bounded([at_end, named()])
+    assert inside == (named_like(inside[0]),)
+    assert [one.where for one in ended] == ["motor_lag at its bound of 1 s"]
+    assert ended[0].robots == (3,)
+
+
+def named_like(one: Named) -> Named:
+    assert one.term.cause.name == "motor_saturation"
+    return one
+
+
+def test_a_value_inside_its_bounds_is_a_name() -> None:
+    term = Term(causes()["motor_lag"], "")
+    inside = replace(named(), term=term, values=(Value("time_constant", 0.9, 0.8, 1.0, "s"),))
+    assert bounded([inside]) == ((inside,), ())
+
+
+def test_rounding_beyond_a_bound_is_written_as_the_bound() -> None:
+    term = Term(causes()["wheel_radius_scale"], "")
+    beyond = replace(
+        named(), term=term, values=(Value("scale", 3.0000000000000004, 2.9, 3.1, "1"),)
+    )
+    assert written(beyond, beyond.values).parameters["scale"].value == 3.0
+
+
+def test_what_is_predicted_with_is_what_the_file_holds() -> None:
+    cause = written(named(), named().values)
+    file = as_written(MODEL, [cause])
+    assert file.extension is not None
+    assert file.extension.causes == (cause,)
+    assert file.motion(3).drive.speed_limit[0] == 4.5
+    assert file.motion(2) == MODEL.motion(2)
+
+
+def test_what_is_not_exported_is_said_and_not_in_the_file() -> None:
+    kept = replace(named(), exported=False, why="seen, but worse: not exported")
+    found = replace(diagnosed(table(7, {})), named=(kept,))
+    assert found.verdict == "unexplained"
+    assert extension(found, log_hash="", command="").causes == ()
+    [cause] = as_json(found)["causes"]
+    assert (cause["exported"], cause["why"]) == (False, "seen, but worse: not exported")
+
+
+def test_two_seconds_of_an_ill_robot_cannot_tell() -> None:
+    found = diagnosed(table(24, {1: MISMATCH}, rows=50))
+    assert found.verdict == "cannot_tell"
+    assert set(found.untold) == {0, 1, 2}
+    assert all(one.size is None for one in found.detectable)
+
+
+def test_a_robot_that_no_fit_comes_near_is_never_called_sound() -> None:
+    frame = table(23, {}, rows=375)
+    ill = frame["robot"] == 1
+    swapped = frame.loc[ill, ["cmd_right", "cmd_left"]].to_numpy()
+    frame.loc[ill, ["cmd_left", "cmd_right"]] = swapped
+    found = diagnosed(frame)
+    assert found.verdict == "unexplained"
+    assert [one.robots for one in found.unexplained][0] == (1,)
+
+
+def test_an_error_far_above_the_noise_with_nothing_named_is_unexplained() -> None:
+    """A lag, in four seconds that are too short for any name."""
+    frame = table(25, {1: replace(HEALTHY, time_constant=0.4)}, rows=100)
+    found = diagnosed(frame)
+    assert found.named == ()
+    assert found.verdict == "unexplained"
+    [left] = found.unexplained
+    assert (left.robots, left.quantity) == ((1,), "error")
+    assert left.distance > 5.0
+
+
+def test_a_log_without_turns_cannot_acquit_an_axle() -> None:
+    frame = table(26, {})
+    for name in ("left", "right"):
+        frame[f"cmd_{name}"] = np.repeat(np.random.default_rng(1).uniform(1, 5, 180), 25)
+    rng = np.random.default_rng(2)
+    parts_of = []
+    for robot, one in frame.groupby("robot"):
+        speed = 0.0205 * one["cmd_left"].to_numpy()
+        x = np.concatenate([[0.0], np.cumsum(speed[:-1] * 0.04)])
+        noise = rng.normal(0.0, 1.0, (len(one), 3)) * [5e-4, 5e-4, 5e-3]
+        parts_of.append(one.assign(x=x + noise[:, 0], y=noise[:, 1], yaw=noise[:, 2], robot=robot))
+    found = diagnosed(pd.concat(parts_of))
+    size = {one.cause: one.size for one in found.detectable}
+    assert size["wheel_separation"] is None
+    assert all("wheel_separation" in found.untold[robot] for robot in range(3))
+    assert size["wheel_radius_mismatch"] is not None
+
+
+def test_a_fault_of_the_size_that_a_log_would_have_shown_is_shown() -> None:
+    """Said of the healthy log, and tried in logs of the same commands and noise."""
+    size = {one.cause: one for one in diagnosed(table(7, {})).detectable}
+    scale = size["wheel_radius_scale"].size
+    axle = size["wheel_separation"].size
+    ratio = size["wheel_radius_mismatch"].size
+    assert scale is not None and axle is not None and ratio is not None
+    radius = 0.0205
+    drives = {
+        0: replace(HEALTHY, wheel_radius=(radius * (1 + scale),) * 2),
+        1: replace(HEALTHY, axle=0.053 * (1 + axle)),
+        2: replace(HEALTHY, wheel_radius=(radius * (1 - ratio / 2), radius * (1 + ratio / 2))),
+    }
+    found = diagnosed(table(7, drives))
+    assert {robot for _, robots in names(found) for robot in robots} == {0, 1, 2}
+
+
+def test_more_of_a_log_shows_smaller_faults() -> None:
+    short, long = (
+        {one.cause: one.size for one in diagnosed(table(7, {}, rows=rows)).detectable}
+        for rows in (750, 1500)
+    )
+    for name in ("wheel_radius_scale", "wheel_separation", "wheel_radius_mismatch"):
+        assert long[name] is not None and short[name] is not None
+        assert long[name] < short[name]
+
+
+def test_every_second_of_a_robot_is_used_or_it_is_said_why_not() -> None:
+    frame = table(27, {}, rows=500)
+    frame.loc[(frame["robot"] == 0) & frame["t"].between(4.0, 6.0), ["x", "y", "yaw"]] = np.nan
+    frame = frame[~((frame["robot"] == 1) & frame["t"].between(8.0, 12.0))]
+    content = as_json(diagnosed(frame))["log"]["robots"]
+    for one in content:
+        shares = [v for k, v in one.items() if k not in ("robot", "seconds")]
+        assert sum(shares) == pytest.approx(1.0)
+        assert one["seconds"] == pytest.approx(19.96)
+    assert content[0]["no_pose"] == pytest.approx(2.04 / 19.96, abs=0.005)
+    assert content[1]["gaps"] == pytest.approx(4.08 / 19.96, abs=0.005)
+    assert content[2]["used"] == 1.0
+
+
+def test_without_a_reference_nobody_says_what_healthy_robots_leave() -> None:
+    from models.identify.diagnose import diagnose
+
+    found = diagnose(log_of(table(13, {1: replace(HEALTHY, axle=0.056)})), MODEL, None).diagnosis
+    assert all(gain.healthy is None for gain in found.gain.values())
+    assert reference().robots > 0
