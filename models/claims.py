@@ -32,7 +32,7 @@ from models.written import at_bound
 
 FAR = 5.0
 """Times the median error that tracker noise and what healthy robots do beyond the model leave, from
-which on an error is far above them. Healthy logs of 120 s reach 1.6 (docs/diagnosis.md)."""
+which on an error is far above them. Thirteen healthy logs of 120 s reach 1.5 (docs/diagnosis.md)."""
 SURE = 99.0
 """Standard deviations beyond which a distance says no more."""
 LEAST_APART = 3

@@ -32,7 +32,7 @@ def test_a_diagnosis_is_a_json_a_model_and_a_page(log: Path, tmp_path: Path) -> 
     model.write_text(f'name = "a robot in the open"\n[robot]\n{robot}')
     found = diagnose_files(Request(logs=(log,), model=str(model)), out)
     content = json.loads((out / "diagnosis.json").read_text())
-    assert content["schema"] == 1
+    assert content["schema"] == 2
     assert content["verdict"] == found.verdict
     assert "wheel_radius_mismatch" in [cause["name"] for cause in content["causes"]]
     extended = read_model_file(out / "extended.toml")
