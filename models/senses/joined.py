@@ -72,6 +72,7 @@ def with_senses(
         unexplained=(*found.unexplained, *senses.unexplained, *ended),
         not_checked=(*found.not_checked, *senses.not_checked),
         gain={**found.gain, **gain},
+        detectable=(*found.detectable, *senses.detectable),
     )
     kept = {one.name: getattr(examined, one.name) for one in fields(examined)}
     return WholeExamination(**{**kept, "diagnosis": joined}, senses=senses)

@@ -72,6 +72,8 @@ class Chosen(NamedTuple):
     fit: Fit
     structure: Structure | None
     """What follows what beside the fit; None: nobody has looked."""
+    promises: tuple[Promise, ...] = ()
+    """Of every term, at the last turn."""
 
 
 def choose(problem: Problem, reference: SenseReference, leap: Leap | None = None) -> Chosen:
@@ -88,9 +90,11 @@ def choose(problem: Problem, reference: SenseReference, leap: Leap | None = None
     flexible = leftovers(problem, structure, reference)
     closed: list[Left] = []
     tried: dict[Term, dict[Term, float]] = {}
+    last: list[Promise] = []
     while len(kept.terms) < MOST_TERMS:
         taken = {t: tried[t][t] for t in kept.terms}
-        fits = _one_more(problem, kept, reference, closed, taken)
+        last = promises(problem, kept, private=len(problem.sight.robots) > 1)
+        fits = _one_more(problem, kept, reference, closed, taken, last)
         fits |= {t: f for t, f in leapt.items() if not kept.terms}
         if not fits:
             break
@@ -109,7 +113,7 @@ def choose(problem: Problem, reference: SenseReference, leap: Leap | None = None
     found = [_evidence(problem, kept, t, reference, tried.get(t, {})) for t in kept.terms]
     passed = [one for one in found if one is not None]
     named = [one for one in passed if not _mends(one, passed)]
-    return Chosen(named, kept, structure if kept is before else None)
+    return Chosen(named, kept, structure if kept is before else None, tuple(last))
 
 
 def _leapt(problem: Problem, leap: Leap) -> dict[Term, Fit]:
@@ -162,12 +166,12 @@ def _one_more(
     reference: SenseReference,
     closed: Sequence[Left],
     taken: Mapping[Term, float],
+    promised: Sequence[Promise],
 ) -> dict[Term, Fit]:
     """The terms that would be named beside the kept ones, fitted."""
-    several = len(problem.sight.robots) > 1
     hopeful = [
         p
-        for p in promises(problem, kept, private=several)
+        for p in promised
         if _hopeful(p, reference)
         and not any(left.concerns(problem, p.term) for left in closed)
         and not _only_mends(p.term, p.gain / NEARLY, taken)
