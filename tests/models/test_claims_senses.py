@@ -4,46 +4,53 @@ from __future__ import annotations
 
 from functools import cache
 
+import numpy as np
 import pytest
 
-from models.diagnosis import as_json
-from models.identify.diagnose import diagnose
-from models.log import make_log
 from models.modelfile import read_model_file
-from models.senses.joined import WholeExamination, with_senses
-from tests.models.small import arena_log, tables
+from models.senses.cause import Belief
+from models.senses.causes import sense_causes
+from models.senses.claims import sense_claims
+from models.senses.diagnose import SenseExamination
+from tests.models.test_senses import MODEL, examined, table
 
-TABLES = tables()
-MODEL = read_model_file("epuck")
+FILE = read_model_file("epuck")
+LAMP = sense_causes()["lamp_intensity"]
 
 
 @cache
-def examined(scale: float) -> WholeExamination:
-    """One robot of a minute whose lamp is brighter than believed; no reference."""
-    frame = arena_log(31, robots=1, rows=1000, sensors=TABLES)
-    dark = TABLES.ls_dark
-    lights = [f"ls{k}" for k in range(8)]
-    frame[lights] = dark - scale * (dark - frame[lights])
-    log = make_log(frame, drive=MODEL.nominal_drive)
-    return with_senses(diagnose(log, MODEL, None), log, TABLES, None)
+def with_lamp(scale: float) -> SenseExamination:
+    """Four robots of a minute whose lamp is brighter than believed."""
+    brighter = LAMP.sense(Belief(), np.array([scale]), "")
+    return examined(table({}, everybody=brighter))
 
 
 def test_a_brighter_lamp_is_exported_because_the_other_half_is_predicted_better() -> None:
-    found = examined(1.5).diagnosis
-    lamp = next(one for one in found.named if one.term.cause.name == "lamp_intensity")
+    senses = with_lamp(1.3)
+    named, ended, gains = sense_claims(senses, FILE, MODEL.tables, seed=0)
+    assert ended == ()
+    [lamp] = [one for one in named if one.term.cause == LAMP]
     assert lamp.exported
-    gain = found.gain["light_reading"]
-    assert gain.low <= gain.after <= gain.high
-    assert gain.after < 0.3 * gain.before
-    values = [part[lamp.key][0].value for part in examined(1.5).senses.by_part]
-    assert values == pytest.approx([1.5, 1.5], rel=0.02)
+    light = gains["light_reading"]
+    assert light.low <= light.after <= light.high
+    assert light.after < 0.5 * light.before
+    assert gains["infrared_reading"].after == gains["infrared_reading"].before
+    values = [part[lamp.key][0].value for part in senses.by_part]
+    assert values == pytest.approx([1.3, 1.3], rel=0.03)
     assert values[0] != values[1]
-    assert as_json(found)["detectable"]["lamp_intensity"]["size"] < 0.2
 
 
-def test_where_nothing_is_named_readings_gain_nothing_to_the_last_bit() -> None:
-    found = examined(1.0).diagnosis
-    assert [one.term.cause.name for one in found.named if one.term.cause.columns] == []
-    for kind in ("infrared_reading", "light_reading"):
-        assert found.gain[kind].before == found.gain[kind].after
-        assert found.gain[kind].healthy is None  # no reference
+def test_where_no_sense_is_ill_readings_gain_nothing_to_the_last_bit() -> None:
+    senses = with_lamp(1.0)
+    assert senses.named == ()
+    named, ended, gains = sense_claims(senses, FILE, MODEL.tables, seed=0)
+    assert (named, ended) == ((), ())
+    assert set(gains) == {"infrared_reading", "light_reading"}
+    assert all(gain.before == gain.after for gain in gains.values())
+
+
+def test_readings_say_how_much_more_light_would_have_shown() -> None:
+    told = {one.cause: one for one in with_lamp(1.0).detectable}
+    assert 0.0 < told["lamp_intensity"].size < 0.3
+    assert told["lamp_intensity"].robot is None
+    assert told["ir_rotation"].robot in range(4)
