@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from models.catalogue import every_cause
 from models.causes import causes
 from models.diagnosis import Detectable, Diagnosis, Gain, Unexplained, alternatives, robots_of
 from models.identify.detectable import CORE
@@ -72,6 +73,10 @@ def _from(one: Detectable) -> str:
     assert one.size is not None
     if one.null is None:
         return f"{one.parameter} below {one.size:.3g} {one.unit}"
+    parameter = next(p for p in every_cause()[one.cause].parameters if p.name == one.parameter)
+    if parameter.sign < 0:
+        unit = "" if one.unit == "1" else f" {one.unit}"
+        return f"{one.parameter} below {one.null - one.size:.2g}{unit}"
     return f"above {_amount(one.size, one.null, one.unit)}"
 
 
