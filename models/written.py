@@ -28,9 +28,7 @@ def written(named: Named, values: Sequence[Value]) -> NamedCause:
         word=named.term.variant,
         parameters={
             p.name: ParameterValue(value=v.value, low=v.low, high=v.high, unit=p.unit)
-            for p, v in zip(
-                (*cause.parameters, *cause.given), (*values, *named.given), strict=True
-            )
+            for p, v in zip((*cause.parameters, *cause.given), (*values, *named.given), strict=True)
         },
     )
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-import tomli_w
 
 from embedded_sim.errors import InputError, nearest
 from models.catalogue import every_cause

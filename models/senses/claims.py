@@ -253,7 +253,7 @@ def _sound(
     """(rows, 16) size of the minimal model's errors of a healthy robot that was at the same places;
     None: nobody knows."""
     reference = predictions.senses.reference
-    if reference is None or not reference.robots:
+    if reference is None or not reference.robots or reference.noise is None:
         return None
     point = predictions.point
     minimal = [Belief(senses=point.senses)] * len(sight.robots)

@@ -96,7 +96,8 @@ def of_noise(problem: Problem, expected: FloatArray, healthy: SenseReference) ->
     for part in range(PARTS):
         use = problem.use & (problem.sight.part == part)[:, None]
         found.append(noise_scale(problem.sight, residual, expected, use).value)
-    return np.array(found) - healthy.noise.mean
+    level = np.nan if healthy.noise is None else healthy.noise.mean
+    return np.array(found) - level
 
 
 def noise_values(
