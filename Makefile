@@ -19,7 +19,7 @@ CORE_H := $(wildcard embedded_sim/core/*.h)
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help demo test slow lint mutants bench asan fuzz fuzz-core blind clean
+.PHONY: help demo test slow lint mutants bench asan fuzz fuzz-core blind kills clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -58,6 +58,10 @@ fuzz: $(STAMP) fuzz-core ## damaged inputs for every reader, REALITYGAP_FUZZ of 
 
 blind: $(STAMP) ## the blind battery; results in out/blind
 	$(BIN)/realitygap blind --out out/blind
+
+KILLS ?= study=20 run=5 diagnose=5 gain=5 transfer=5 blind=5
+kills: $(STAMP) ## commands killed at random instants: KILLS="study=200 run=50" KILLS_SEED=1
+	$(BIN)/python -m tests.kills --kills $(KILLS) --seed $(or $(KILLS_SEED),0)
 
 clean: ## remove the environment, builds and caches; results in out/ stay
 	rm -rf .venv build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis \

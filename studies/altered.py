@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from studies.experiment import RunConfig, simulate
 from studies.output import whole_directory
+from studies.rooms import scratch
 
 Files = Mapping[str, bytes]
 MODEL = "extended.toml"
@@ -27,8 +27,8 @@ class AlteredRun:
 
 def run_altered(task: AlteredRun) -> dict[str, bytes]:
     """Simulate; the run's files by name. Executed by a worker, which needs no disk in common."""
-    with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
-        out, model = Path(scratch) / "run", Path(scratch) / "model"
+    with scratch() as room:
+        out, model = room / "run", room / "model"
         out.mkdir()
         config = task.config
         if task.model is not None:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import argparse
 import json
 import shutil
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +26,7 @@ from studies.diagnosis_files import examine
 from studies.diagnosis_request import Request
 from studies.execution import processes
 from studies.experiment import RunConfig, simulate
+from studies.rooms import scratch
 
 Hide = Callable[[np.random.Generator], str]
 
@@ -101,8 +101,7 @@ def trial(name: str, truth: str, seed: int) -> dict[str, Any]:
     pair = PAIRS[name]
     first, second, values = np.random.SeedSequence([seed, *name.encode()]).spawn(3)
     spec = pair.hide[truth](np.random.default_rng(values))
-    with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
-        room = Path(scratch)
+    with scratch() as room:
         alone = room / "first.parquet"
         _record(pair, pair.controller, pair.case, pair.minutes, spec, first, alone)
         if pair.lacks:

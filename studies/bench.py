@@ -16,7 +16,6 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from statistics import median
-from tempfile import TemporaryDirectory
 from typing import Annotated, Any
 
 import numpy as np
@@ -37,6 +36,7 @@ from studies.experiment import RunConfig, simulate
 from studies.progress import Progress
 from studies.provenance import versions, write_json
 from studies.recorder import Recorder
+from studies.rooms import scratch
 
 ROBOTS = 10
 PARTS: tuple[tuple[str, Any, str], ...] = (
@@ -79,11 +79,11 @@ def co_evolution(minutes: float) -> tuple[float, dict[str, float]]:
     config = RunConfig(minutes=minutes, robots=ROBOTS, seed=1)
     spent: dict[str, float] = {}
     began = time.process_time()
-    with TemporaryDirectory() as out:
+    with scratch() as out:
         simulate(config, (), Path(out))
     plain = time.process_time() - began
     began = time.process_time()
-    with TemporaryDirectory() as out, clocked(spent):
+    with scratch() as out, clocked(spent):
         simulate(config, (), Path(out))
     total = time.process_time() - began
     return minutes * 60.0 / plain, {part: seconds / total for part, seconds in spent.items()}
@@ -156,8 +156,8 @@ def command(*words: str, repeats: int = 5) -> float:
     took = []
     for _ in range(repeats):
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        with TemporaryDirectory() as out:
-            line = [word.replace("OUT", out) for word in words]
+        with scratch() as out:
+            line = [word.replace("OUT", str(out)) for word in words]
             subprocess.run(
                 [sys.executable, "-c", "from studies.cli import main; main()", *line],
                 check=True,

@@ -51,16 +51,16 @@ def diagnose_files(
         begin: Called with the name of each stage.
 
     Raises:
-        InputError: as `examine`.
+        InputError: as `examine`, or `out` cannot be used.
     """
-    log, examined = examine(request, begin)
-    begin("writing the report")
-    path, model, found = find_model_file(request.model), examined.model, examined.diagnosis
-    named = extension(found, log_hash=_hash(request.logs), command=request.command)
-    from studies.diagnosis_report import write_report
-
-    content, following = _content(request, log, found)
     with whole_directory(out, force=force, holds=("diagnosis.json",)) as part:
+        log, examined = examine(request, begin)
+        begin("writing the report")
+        path, model, found = find_model_file(request.model), examined.model, examined.diagnosis
+        named = extension(found, log_hash=_hash(request.logs), command=request.command)
+        from studies.diagnosis_report import write_report
+
+        content, following = _content(request, log, found)
         write_json(part / "diagnosis.json", content)
         write_extended(model, path, named, part)
         write_report(examined, part / "report.html", command=request.command, following=following)

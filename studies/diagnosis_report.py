@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -27,6 +26,7 @@ from studies.diagnosis_words import (
 )
 from studies.next_experiment import next_section
 from studies.paper.page import Picture, Section, Table, write_page
+from studies.rooms import scratch
 
 CHECKED = (
     "Every cause of the catalogue was tried on every robot whose path differs from health at a "
@@ -73,11 +73,11 @@ def write_report(
     examined: Examination, path: Path, *, command: str, following: Sequence[str] = ()
 ) -> None:
     """Write the page; `following` are the commands that perform what is proposed."""
-    with tempfile.TemporaryDirectory(prefix="realitygap-") as room:
+    with scratch() as room:
         sections = [
             _found(examined),
-            *next_section(examined.diagnosis.proposal, following, Path(room)),
-            _pictures(examined, Path(room)),
+            *next_section(examined.diagnosis.proposal, following, room),
+            _pictures(examined, room),
             _gain(examined),
             _robots(examined),
             _would_have_shown(examined),

@@ -9,7 +9,6 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-import threading
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import (
@@ -22,10 +21,11 @@ from concurrent.futures import (
 )
 from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing import connection
 from typing import Any, Generic, TypeAlias, TypeVar
 
 from embedded_sim.errors import InputError
+from studies.lifetime import end_with, shielded
+from studies.rooms import command_room
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -154,7 +154,8 @@ def _submitted(
     futures: dict[Future[Answer[Result]], int] = {}
     try:
         for index, task in tasks.items():
-            futures[executor.submit(_measured, work, task)] = index
+            with shielded():  # it may start a worker, which is known by then
+                futures[executor.submit(_measured, work, task)] = index
     except BrokenExecutor:
         pass  # what was submitted says so too, the rest is unfinished
     for future in as_completed(futures):
@@ -182,9 +183,10 @@ def processes(jobs: int) -> Iterator[ProcessPoolExecutor]:
 
     They are fresh interpreters: a fork would share the physics engine's and other libraries' state.
     """
+    command_room()  # theirs too: what a killed worker leaves is removed with it
     others = {child.pid for child in multiprocessing.active_children()}
     pool = ProcessPoolExecutor(
-        jobs, mp_context=multiprocessing.get_context("spawn"), initializer=_tie_to_parent
+        jobs, mp_context=multiprocessing.get_context("spawn"), initializer=tie_to_parent
     )
     try:
         yield pool
@@ -197,17 +199,14 @@ def processes(jobs: int) -> Iterator[ProcessPoolExecutor]:
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _tie_to_parent() -> None:
+def tie_to_parent() -> None:
     """Leave interrupts to the parent, and die with it, even if it is killed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in (signal.SIGINT, signal.SIGHUP):  # a terminal sends them to everybody
+        signal.signal(number, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
-    if parent is not None:
-        threading.Thread(target=_follow, args=(parent.sentinel,), daemon=True).start()
-
-
-def _follow(sentinel: int) -> None:
-    connection.wait([sentinel])
-    os._exit(1)
+    assert parent is not None
+    assert parent.pid is not None
+    end_with(parent.pid)
 
 
 def _security(address: str) -> Any:

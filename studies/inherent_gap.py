@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +31,7 @@ from models.replay import replay_log
 from models.sensor_gap import sensor_gap
 from studies.experiment import RunConfig, simulate
 from studies.output import whole_directory
+from studies.rooms import scratch
 
 CONTROLLERS = ("search", "coevolution", "positive-phototaxis")
 """Taken in turn over the seeds, so that no one behaviour makes the figures."""
@@ -49,8 +49,8 @@ def measure(seed: int, minutes: float, file: ModelFile) -> dict[str, Any]:
     config = RunConfig(
         controller=CONTROLLERS[seed % len(CONTROLLERS)], minutes=minutes, robots=10, seed=seed
     )
-    with tempfile.TemporaryDirectory() as where:
-        simulate(config, (), Path(where))
+    with scratch() as where:
+        simulate(config, (), where)
         log = read_log(where, drive=model.drive)
     replayed = replay_log(log, model.drive)
     noise = pose_noise(log, replayed)

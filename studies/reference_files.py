@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,11 +15,17 @@ from models.identify.healthy import Healthy, fit_inherent, fit_terms, make_refer
 from models.identify.tracks import Tracks, cut_tracks
 from models.log import read_log
 from models.modelfile import load_common, read_model_file
-from models.reference import Reference, write_reference
-from models.senses.reference import beside, write_sense_reference
+from models.reference import Reference, read_reference, write_reference
+from models.senses.reference import (
+    SenseReference,
+    beside,
+    read_sense_reference,
+    write_sense_reference,
+)
 from studies.execution import Workers, processes
-from studies.output import check_free, whole_file
+from studies.output import readable, whole_file
 from studies.provenance import log_read, model_read
+from studies.rooms import scratch
 from studies.sense_reference_files import sense_reference_of
 from studies.typed import typed
 
@@ -75,8 +80,22 @@ def write_reference_of(
     """
     if not request.logs and request.runs < 1:
         raise InputError("LOG", "nothing", "logs of healthy robots, or --runs to record some")
-    check_free(out, force=force)
-    check_free(beside(out), force=force)
+    motion, seen = readable(read_reference), readable(read_sense_reference)
+    with (
+        whole_file(out, force=force, ours=motion) as part,
+        whole_file(beside(out), force=force, ours=seen, needed=False) as sense_part,
+    ):
+        made, senses = _measured(request, reach)
+        write_reference(made, part)
+        if senses is not None:
+            write_sense_reference(senses, sense_part)
+    return made
+
+
+def _measured(
+    request: ReferenceRequest, reach: Callable[[float], None]
+) -> tuple[Reference, SenseReference | None]:
+    """The references of motion and, where there are any, of the senses."""
     model = read_model_file(request.model)
     load_common(request.model, sensors="declared")  # refused now, not after all runs
     inputs = (*(log_read("LOG", path) for path in request.logs), *model_read(request.model))
@@ -88,12 +107,9 @@ def write_reference_of(
         done += count
         reach(done)
 
-    with (
-        tempfile.TemporaryDirectory(prefix="realitygap-") as room,
-        processes(jobs) as pool,
-    ):
+    with scratch() as room, processes(jobs) as pool:
         kinds = MANOEUVRES if request.manoeuvres else KINDS
-        tasks = [(k, kinds[k % len(kinds)], request.seed, Path(room)) for k in range(request.runs)]
+        tasks = [(k, kinds[k % len(kinds)], request.seed, room) for k in range(request.runs)]
         recorded = []
         for path in pool.map(_record, tasks):
             recorded.append(path)
@@ -111,12 +127,7 @@ def write_reference_of(
         senses = sense_reference_of(paths, request.model, pool, command=request.command)
     drive = model.motion().drive
     made = make_reference(swarms, common, model=model.name, drive=drive, command=request.command)
-    with whole_file(out, force=force) as part:
-        write_reference(made.model_copy(update={"inputs": inputs}), part)
-    if senses is not None:
-        with whole_file(beside(out), force=force) as part:
-            write_sense_reference(senses, part)
-    return made
+    return made.model_copy(update={"inputs": inputs}), senses
 
 
 def _record(task: tuple[int, tuple[str, str], int, Path]) -> Path:

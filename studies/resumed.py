@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from embedded_sim.errors import InputError
+from studies.output import claimed
 
 Shape = TypeVar("Shape")
 
@@ -25,18 +25,13 @@ def locked(out: Path, folder: str, kind: str) -> Iterator[None]:
         kind: What the directory is of, as in "a study".
 
     Raises:
-        InputError: it cannot be written, or is in use.
+        InputError: it cannot be written, or another process writes to it.
     """
-    try:
-        (out / folder).mkdir(parents=True, exist_ok=True)
-        lock = (out / ".lock").open("a")
-    except OSError as error:
-        raise InputError("--out", out, f"a writable directory ({error.strerror})") from None
-    with lock:
+    with claimed(out, kind):
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            raise InputError("--out", out, f"{kind} that is not running") from None
+            (out / folder).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError("--out", out, f"a writable directory ({error.strerror})") from None
         yield
 
 

@@ -11,15 +11,16 @@ import resource
 import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import numpy as np
 import pandas as pd
 import typer
 
+from studies.execution import tie_to_parent
 from studies.experiment import RunConfig, simulate
 from studies.progress import Progress
+from studies.rooms import scratch
 
 ROBOTS = (1, 2, 5, 10, 20, 35, 50, 75, 100)
 """More than a hundred find no room in the arena: 200 e-pucks are two thirds of its floor."""
@@ -28,9 +29,9 @@ MINUTES = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 60.0)
 
 def cost(config: RunConfig) -> dict[str, float]:
     """s of processor time that a run takes, and MB of memory that the process takes at most."""
-    with TemporaryDirectory() as out:
+    with scratch() as out:
         began = time.process_time()
-        simulate(config, (), Path(out))
+        simulate(config, (), out)
         seconds = time.process_time() - began
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0  # Linux counts kB
     return {
@@ -50,7 +51,9 @@ def measure(robots_for: float) -> pd.DataFrame:
     spawn = multiprocessing.get_context("spawn")
     with (
         Progress("runs", float(len(configs)), quiet=False) as shown,
-        ProcessPoolExecutor(1, mp_context=spawn, max_tasks_per_child=1) as one,
+        ProcessPoolExecutor(
+            1, mp_context=spawn, max_tasks_per_child=1, initializer=tie_to_parent
+        ) as one,
     ):
         for done, (config, axis) in enumerate(zip(configs, against, strict=True), 1):
             rows.append({"against": axis, **one.submit(cost, config).result()})

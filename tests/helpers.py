@@ -2,14 +2,55 @@
 
 from __future__ import annotations
 
+import os
+import select
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 COMMAND = [sys.executable, "-c", "from studies.cli import main; main()"]
 """`realitygap`, with this interpreter."""
 ENVIRONMENT = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "COLUMNS": "200"}
+
+LONG = 300.0
+"""s that something may take on a machine that is very busy; nothing waits so long for success."""
+
+
+def until(condition: Callable[[], object]) -> None:
+    """Wait for something to become so."""
+    end = time.monotonic() + LONG
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.02)
+
+
+def children(pid: int) -> set[int]:
+    """Processes below one, by Linux's /proc."""
+    found = set()
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(fields[1]) == pid:
+            child = int(stat.parent.name)
+            found |= {child} | children(child)
+    return found
+
+
+def wait_until_gone(pid: int) -> None:
+    """Wait for the end of a process that need not be ours; a zombie has ended."""
+    try:
+        handle = os.pidfd_open(pid)
+    except ProcessLookupError:
+        return
+    try:
+        assert select.select([handle], [], [], LONG)[0], f"process {pid} is left"
+    finally:
+        os.close(handle)
 
 
 def realitygap(*words: object, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:

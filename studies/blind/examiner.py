@@ -14,28 +14,33 @@ import os
 import signal
 import subprocess
 import sys
-import traceback
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from select import select
-from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import Any
 
 from studies.diagnosis_request import Request
+from studies.lifetime import end_with, tied
+from studies.rooms import scratch
 
 LOG = "samples.parquet"
 TIMEOUT = 900.0
 """s for one diagnosis; our choice."""
-POLL = 0.05
-"""s between two looks at a fork; a hundredth of what it takes."""
+TRIES = 3
+"""Times a question is asked if whoever should answer is killed; our choice, as of worker pools."""
 THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
 """One thread per library: results do not depend on the cores."""
 
 Answer = tuple[dict[str, Any] | None, str | None]
 """The content of `diagnosis.json`, or what went wrong."""
+
+
+class Killed(Exception):
+    """Whoever should answer was killed: that says nothing about the log."""
 
 
 class _Examiner:
@@ -45,11 +50,13 @@ class _Examiner:
         self.process: subprocess.Popen[str] | None = None
         self._asked = 0
         self._one_at_a_time = Lock()
+        # it ends with the thread that starts it: one that lasts as long as this process
+        self._starter = ThreadPoolExecutor(1)
 
     def ask(self, given: Path, withheld: tuple[str, ...]) -> Answer:
         """Its answer; after none in time, or a death, the next question gets a new process."""
-        with self._one_at_a_time, TemporaryDirectory(prefix="realitygap-answer-") as scratch:
-            answer = Path(scratch) / "answer.json"
+        with self._one_at_a_time, scratch() as room:
+            answer = room / "answer.json"
             try:
                 error = self._failure(given, withheld, answer)
             except BaseException:
@@ -61,9 +68,22 @@ class _Examiner:
             return diagnosis, error
 
     def _failure(self, given: Path, withheld: tuple[str, ...], answer: Path) -> str | None:
-        """Ask, wait, and say what kept the fork from writing its answer."""
+        """Ask, again if somebody is killed meanwhile, and say what kept the answer away."""
+        for _ in range(TRIES):
+            try:
+                return self._tried(given, withheld, answer)
+            except Killed as killed:
+                error = str(killed)
+        return error
+
+    def _tried(self, given: Path, withheld: tuple[str, ...], answer: Path) -> str | None:
+        """Ask once, wait, and say what kept the fork from writing its answer.
+
+        Raises:
+            Killed: the examiner or its fork was killed, by whatever.
+        """
         if self.process is None:
-            self.process = _started()
+            self.process = self._starter.submit(_started).result()
         told, answers = self.process.stdin, self.process.stdout
         assert told is not None
         assert answers is not None
@@ -75,9 +95,13 @@ class _Examiner:
         line = answers.readline() if in_time else ""
         if not line:
             self.stop()
-            return "the examiner died" if in_time else f"no answer in {TIMEOUT:.0f} s"
+            if in_time:
+                raise Killed("the examiner died")
+            return f"no answer in {TIMEOUT:.0f} s"
         number, code = json.loads(line)
         assert number == self._asked
+        if code < 0:
+            raise Killed(f"exit code {code}")
         return f"exit code {code}" if code else None
 
     def stop(self) -> None:
@@ -109,7 +133,7 @@ def ask(given: Path, withheld: tuple[str, ...] = ()) -> Answer:
 def _started() -> subprocess.Popen[str]:
     """A session of its own: an interrupt is for who asks, whose end it sees."""
     return subprocess.Popen(
-        [sys.executable, "-c", "from studies.blind.examiner import serve; serve()"],
+        tied((sys.executable, "-c", "from studies.blind.examiner import serve; serve()")),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         env={**os.environ, **THREADS},
@@ -122,20 +146,20 @@ def serve() -> None:
     """Answer every line of standard input, a question, with its number and an exit code."""
     from studies.diagnosis_files import content_of  # loaded once, before any fork
 
+    examiner = os.getpid()
     for line in sys.stdin:
         number, given, withheld, answer = json.loads(line)
         child = os.fork()
         if child == 0:
+            end_with(examiner)
             os.dup2(2, 1)  # what a library may print is no answer
             try:
                 _answer(content_of, Path(given), tuple(withheld), Path(answer))
-            except BaseException:
-                traceback.print_exc()
+            except BaseException as error:
+                sys.stderr.write(f"examiner: {type(error).__name__}: {error}\n")
                 os._exit(1)
             os._exit(0)
-        code = _ended(child)
-        if code is None:
-            return
+        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         with suppress(BrokenPipeError):  # nobody is left to hear it, as the next line will tell
             sys.stdout.write(json.dumps([number, code]) + "\n")
             sys.stdout.flush()
@@ -154,15 +178,3 @@ def _answer(
     except Exception as error:
         said = None, f"{type(error).__name__}: {error}"
     answer.write_text(json.dumps(said, allow_nan=False), encoding="utf-8")
-
-
-def _ended(child: int) -> int | None:
-    """A fork's exit code; None, and the fork killed, once whoever asked is gone."""
-    while True:
-        pid, status = os.waitpid(child, os.WNOHANG)
-        if pid:
-            return os.waitstatus_to_exitcode(status)
-        if select([sys.stdin], [], [], POLL)[0]:  # no more is said before an answer: it is the end
-            os.kill(child, signal.SIGKILL)
-            os.waitpid(child, 0)
-            return None

@@ -7,7 +7,6 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,6 +17,8 @@ from studies.blind.examiner import LOG, THREADS, TIMEOUT, Answer, ask
 from studies.blind.trials import Trial
 from studies.blind.unlisted import UNLISTED
 from studies.experiment import ANONYMOUS, simulate
+from studies.lifetime import tied
+from studies.rooms import scratch
 
 COMMAND = (sys.executable, "-c", "from studies.cli import main; main()", "diagnose")
 """`realitygap diagnose`, by this interpreter."""
@@ -40,11 +41,11 @@ def run_trial(task: Task) -> dict[str, Any]:
     Returns:
         `diagnosis` (None if it failed), `error`, and s of wall time of both parts.
     """
-    with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
-        given = Path(scratch) / "given"
+    with scratch() as room:
+        given = room / "given"
         given.mkdir()
         began = time.perf_counter()
-        record(task.trial, Path(scratch) / "run", given / LOG)
+        record(task.trial, room / "run", given / LOG)
         recorded = time.perf_counter()
         diagnosis, error = task.diagnosed(given, task.trial.withheld)
         return {
@@ -77,7 +78,7 @@ def diagnose(
     words = [word for name in withheld for word in ("--without", name)]
     try:
         done = subprocess.run(
-            [*command, LOG, "--out", "diagnosis", *words],
+            tied((*command, LOG, "--out", "diagnosis", *words)),
             cwd=given,
             env={**os.environ, **THREADS},
             capture_output=True,

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import atexit
 import importlib
-import io
 import sys
 from typing import Any
 
 import typer
 
 from embedded_sim.errors import LONGEST_EXPECTED, Diverged, InputError, shown
+from studies.lifetime import Ended, deafened, listening
+from studies.rooms import clear_temporary, close_rooms
+from studies.streams import open_streams
 
 app = typer.Typer(
     name="realitygap",
@@ -44,24 +47,45 @@ for _name in COMMANDS:
 
 
 def main() -> None:
-    """Run a command: bad input is one line and exit code 2, divergence 1, an interrupt 130."""
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        # as stderr does: a name that is no text, or a terminal without our letters
-        sys.stdout.reconfigure(errors="backslashreplace")
+    """Run a command and end the process.
+
+    Its exit code is 0; 2 after bad input; 1 after divergence or if the machine failed, as a full
+    disk; 128 and the number of the signal that ended it. Whatever it was, it is said in one line,
+    and nothing unfinished is left.
+    """
+    out, err = open_streams()
+    with listening():
+        try:
+            try:
+                code, line = _outcome()
+            finally:
+                deafened()  # what is left to do is quick, and not to be left half done
+        except Ended as ended:
+            deafened()
+            code, line = 128 + ended.number, str(ended)
+        close_rooms()
+        sys.stdout.flush()
+        if out.failed:
+            code, line = code or 1, line or f"cannot write to standard output: {out.failed}"
+        if line:
+            sys.stderr.write(f"realitygap: {line}\n")
+        sys.stderr.flush()
+    atexit.register(deafened)
+    sys.exit(code or int(err.failed is not None))
+
+
+def _outcome() -> tuple[int, str]:
+    """A command's exit code, and the line that says why."""
     try:
-        sys.exit(app(standalone_mode=False))
+        clear_temporary()
+        return app(standalone_mode=False) or 0, ""
     except InputError as error:
-        sys.stderr.write(f"realitygap: {error}\n")
-        sys.exit(2)
+        return 2, str(error)
     except _UsageError as error:
-        if said := error.format_message():  # empty after a command without words: help was shown
-            sys.stderr.write(f"realitygap: {shown(said, LONGEST_EXPECTED)} (see --help)\n")
-        sys.exit(2)
+        said = error.format_message()  # empty after a command without words: help was shown
+        return 2, f"{shown(said, LONGEST_EXPECTED)} (see --help)" if said else ""
     except Diverged as error:
-        sys.stderr.write(f"realitygap: {shown(error, LONGEST_EXPECTED)}\n")
-        sys.exit(1)
-    except typer.Abort:
-        sys.exit(130)
-    except KeyboardInterrupt:
-        sys.stderr.write("realitygap: interrupted\n")
-        sys.exit(130)
+        return 1, shown(error, LONGEST_EXPECTED)
+    except OSError as error:
+        where = "" if error.filename is None else f"{shown(error.filename)}: "
+        return 1, f"{where}{shown(error.strerror or error)}"

@@ -18,11 +18,14 @@ def capture(
     """Put a nominal robot before wall and lamp and write the table of what its sensors read."""
     import numpy as np
 
-    from models import save_tables
+    from models import load_tables, save_tables
     from reality.capture import capture as drive_protocol
-    from studies.output import whole_file
+    from studies.output import readable, whole_file
     from studies.progress import Progress
 
-    with whole_file(out, force=force) as part, Progress("capture", 1.0, quiet) as shown:
+    with (
+        whole_file(out, force=force, ours=readable(load_tables)) as part,
+        Progress("capture", 1.0, quiet) as shown,
+    ):
         save_tables(drive_protocol(np.random.SeedSequence(seed), shown.reach), part)
     shown.say(f"sensor tables in {out}")

@@ -38,10 +38,8 @@ def diagnose(
     from studies.diagnosis_files import diagnose_files
     from studies.diagnosis_request import Request
     from studies.diagnosis_words import verdict_sentence
-    from studies.output import check_free
     from studies.progress import Stages
 
-    check_free(out, force=force, holds=("diagnosis.json",))
     request = Request(
         logs=tuple(log),
         model=model,

@@ -55,10 +55,9 @@ def gain(
     from studies.gain.measure import GainFailed, measure_gain
     from studies.gain.report import write_gain
     from studies.gain.request import GainRequest
-    from studies.output import check_free, whole_directory
+    from studies.output import whole_directory
     from studies.progress import Progress
 
-    check_free(out, force=force, holds=("gain.json",))
     request = GainRequest(
         logs=tuple(log),
         extended=extended,
@@ -71,13 +70,13 @@ def gain(
         jobs=jobs,
     )
     try:
-        with Progress("gain", 1.0, quiet) as shown:
-            found = measure_gain(request, shown.reach)
+        with whole_directory(out, force=force, holds=("gain.json",)) as part:
+            with Progress("gain", 1.0, quiet) as shown:
+                found = measure_gain(request, shown.reach)
+            lines = write_gain(found, part)
     except GainFailed as error:
         say(f"realitygap: {error}", err=True)
         raise typer.Exit(1) from None
-    with whole_directory(out, force=force, holds=("gain.json",)) as part:
-        lines = write_gain(found, part)
     if not quiet:
         for line in lines:
             say(line)

@@ -34,24 +34,25 @@ def gap(
     from studies.fitness_gap.by_third import coevolution_gap
     from studies.fitness_gap.generations import find_generations, read_generations
     from studies.gap_report import write_coevolution, write_gap
-    from studies.output import check_free, whole_directory
+    from studies.output import whole_directory
     from studies.progress import Stages
     from studies.provenance import file_read, log_read, model_read
 
-    check_free(out, force=force, holds=("gap.json",))
     file = read_model_file(model)
     point = load_common(model, sensors="declared")
     inputs = model_read(model)
     generations = find_generations(log)
-    with Stages("gap", quiet) as shown:
+    with (
+        whole_directory(out, force=force, holds=("gap.json",)) as part,
+        Stages("gap", quiet) as shown,
+    ):
         evolved = None
         if generations is not None:
             shown.begin("fitness in simulation and reality")
             evolved = coevolution_gap(read_generations(generations))
             inputs.insert(0, file_read("LOG", generations))
         if evolved is not None and not (log / SAMPLES).exists():
-            with whole_directory(out, force=force, holds=("gap.json",)) as part:
-                report = write_coevolution(evolved, part, inputs=inputs)
+            report = write_coevolution(evolved, part, inputs=inputs)
         else:
             shown.begin("reading the log")
             # commands become wheel speeds as in the lab: an extension tells of the robots
@@ -61,10 +62,9 @@ def gap(
             shown.begin("replaying it and judging what is left")
             found = measure_gap(measured, file, point, seed=seed, name=find_model_file(model).name)
             shown.begin("writing tables and figures")
-            with whole_directory(out, force=force, holds=("gap.json",)) as part:
-                report = write_gap(
-                    measured, found, part, name=file.name, coevolution=evolved, inputs=inputs
-                )
+            report = write_gap(
+                measured, found, part, name=file.name, coevolution=evolved, inputs=inputs
+            )
     if not quiet:
         for line in report["summary"]:
             say(line)

@@ -47,29 +47,39 @@ def import_(
     """
     from models.log import make_log, write_table
     from models.modelfile import read_model_file
-    from studies.output import check_free, whole_file
+    from studies.output import whole_file
     from studies.progress import Stages
 
     if format_ not in FORMATS:
         raise InputError("FORMAT", format_, nearest(format_, FORMATS))
-    check_free(out, force=force)
     if out.suffix not in (".parquet", ".csv"):
         raise InputError("--out", out.name, "a file ending in .parquet or .csv")
     file = read_model_file(model or FORMATS[format_])
     drive = file.nominal_drive
-    with Stages("import", quiet) as shown:
+    if out.exists() and any(path.exists() and out.samefile(path) for path in source):
+        raise InputError("--out", out, "another file than what is read")
+    with whole_file(out, force=force, ours=_is_log) as part, Stages("import", quiet) as shown:
         table = _read(format_, source, map_, drive, shown.begin)
         shown.begin("checking the log")
         log = make_log(table, drive=drive, fastest=file.robot.wheel_speed_max)
         shown.begin(f"writing {out.name}")
-        with whole_file(out, force=force) as part:
-            write_table(log.frame, part)
+        write_table(log.frame, part)
     if not quiet:
         for note in log.notes:
             say(note)
         runs, robots = log.segments["run"].nunique(), log.segments["robot"].nunique()
         rows = f"{len(log.t)} rows, {runs} runs, {robots} robots, a row each {log.step:g} s"
         say(f"{out}: {rows}")
+
+
+def _is_log(path: Path) -> bool:
+    """Whether a file is a table as this command writes it."""
+    from models.log import read_table
+
+    try:
+        return {"run", "robot", "t", "x", "y", "yaw"} <= set(read_table(path).columns)
+    except InputError:
+        return False
 
 
 def _read(

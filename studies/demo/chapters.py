@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -22,6 +21,7 @@ from studies.gain.measure import measure_gain
 from studies.gain.report import write_gain
 from studies.gain.request import GainRequest
 from studies.progress import Progress
+from studies.rooms import scratch
 
 CHAPTERS = (
     "hide",
@@ -140,8 +140,7 @@ def _without_truth(run: Files) -> Files:
 
 def _name(story: Story, out: Path) -> None:
     """Diagnose as the command line does, in a process that has the log alone."""
-    with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
-        given = Path(scratch)
+    with scratch() as given:
         samples = table(story.before[0], "samples")
         samples = samples[samples["t"] < 60.0 * story.size.log_minutes]
         samples.assign(run=ANONYMOUS).to_parquet(given / LOG, index=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 
 import pandas as pd
@@ -13,6 +12,7 @@ from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
 from studies.gain.words import LABELS, number, percent
 from studies.paper.page import Picture, Section, Table, write_page
 from studies.picture import draw_run
+from studies.rooms import scratch
 
 IN_ONE_PICTURE = (
     "Left: how far predictions are off, in fresh runs that nothing was named from. Middle: what "
@@ -28,8 +28,8 @@ RUN_AFTER = "The same seed with the corrected simulator on board."
 def write_report(story: Story, out: Path) -> None:
     """Write report.html, and the picture of the first run as demo.png, into a directory."""
     draw_run(out / "before", story.secret.case, out / "demo.png")
-    with tempfile.TemporaryDirectory(prefix="realitygap-") as room:
-        main, after = Path(room) / "story.png", Path(room) / "after.png"
+    with scratch() as room:
+        main, after = room / "story.png", room / "after.png"
         draw_story(story, main)
         draw_run(out / "after", story.secret.case, after)
         write_page(

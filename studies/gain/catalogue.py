@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass
@@ -44,6 +43,7 @@ from studies.manifest import Pieces, made
 from studies.output import whole_file
 from studies.provenance import as_json_bytes, versions, write_json
 from studies.resumed import begun_with, check_ours, check_same, locked
+from studies.rooms import scratch
 
 BEGUN = "catalogue.json"
 """What a catalogue's directory was begun with."""
@@ -124,8 +124,8 @@ def measure_group(group: Group) -> tuple[dict[str, Any], pd.DataFrame]:
     Returns:
         The diagnosis, and errors before, extended and with the true parameters.
     """
-    with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
-        run, given = Path(scratch) / "run", Path(scratch) / "given"
+    with scratch() as room:
+        run, given = room / "run", room / "given"
         run.mkdir()
         given.mkdir()
         simulate(group.naming, group.specs, run, name=ANONYMOUS)

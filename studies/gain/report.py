@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
 from studies.gain.words import LABELS, SHOWN, number, percent, summary
 from studies.paper.page import Picture, Section, Table, write_page
 from studies.provenance import write_json
+from studies.rooms import scratch
 
 DPI = 100
 COLOURS = {BEFORE: "#b0413e", HEALTHY: "#7f7f7f", EXTENDED: "#2f6f9f", ORACLE: "#222222"}
@@ -40,9 +40,9 @@ def write_gain(gain: Gain, out: Path) -> list[str]:
     lines = summary(gain.content)
     write_json(out / "gain.json", {**gain.content, "summary": lines})
     write_table(gain.table, out / "errors.parquet", {})
-    with tempfile.TemporaryDirectory(prefix="realitygap-") as room:
+    with scratch() as room:
         sections = [
-            _pictures(gain, Path(room)),
+            _pictures(gain, room),
             _numbers(gain.content),
             *_food(gain.content),
             _runs(gain.content),

@@ -6,9 +6,7 @@ minimal model gets wrong of the twin is the level that an extension can reach.
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -19,6 +17,7 @@ from models.log import MeasuredLog, make_log, read_log
 from models.modelfile import ModelFile
 from models.prediction import prediction_errors
 from studies.experiment import Case, RunConfig, simulate
+from studies.rooms import scratch
 
 KINDS: tuple[tuple[str, Case], ...] = (
     ("search", "no-light"),
@@ -96,9 +95,9 @@ def plan(
 
 def measure_recorded(task: Recorded) -> pd.DataFrame:
     """Record a run, measure every model in it and forget it. Executed by a worker."""
-    with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
-        simulate(task.run.config, task.run.effects, Path(scratch))
-        log = read_log(Path(scratch), drive=task.drive)
+    with scratch() as room:
+        simulate(task.run.config, task.run.effects, room)
+        log = read_log(room, drive=task.drive)
     return _kept(log, task.models, task.tables, task.run.robots, task.run.name)
 
 

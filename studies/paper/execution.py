@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import tempfile
 import time
 from collections.abc import Callable
 from contextlib import closing
-from pathlib import Path
 
 from studies.execution import Unfinished, Workers
 from studies.experiment import simulate
+from studies.lifetime import shielded
 from studies.machine import Cores
 from studies.manifest import made
 from studies.paper.conditions import PlannedRun
 from studies.paper.directory import Run, Session, Study, StudyDirectory
 from studies.paper.tally import Tally
+from studies.rooms import scratch
 
 
 class RunsFailed(Unfinished):
@@ -23,9 +23,9 @@ class RunsFailed(Unfinished):
 
 def run_files(run: PlannedRun) -> dict[str, bytes]:
     """Simulate one run; its files by name. Executed by a worker."""
-    with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
-        simulate(run.config, (), Path(scratch))
-        return {path.name: path.read_bytes() for path in sorted(Path(scratch).iterdir())}
+    with scratch() as room:
+        simulate(run.config, (), room)
+        return {path.name: path.read_bytes() for path in sorted(room.iterdir())}
 
 
 def execute(
@@ -67,10 +67,11 @@ def execute(
                     failures.append(f"{done.task.name}: {done.error}")
                     tally.say(f"run {failures[-1]}")
                     continue
-                directory.keep(done.task, done.value)
-                kept, side_by_side = kept + 1, done.workers
-                spent += done.cpu_seconds
-                hours += done.task.config.minutes / 60.0
+                with shielded():  # what is kept is counted
+                    directory.keep(done.task, done.value)
+                    kept, side_by_side = kept + 1, done.workers
+                    spent += done.cpu_seconds
+                    hours += done.task.config.minutes / 60.0
                 tally.finished(done.task)
     finally:
         wall = time.perf_counter() - began

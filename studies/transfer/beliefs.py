@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +18,7 @@ from studies.blind.record import COMMAND, diagnose
 from studies.diagnosis_files import write_extended
 from studies.experiment import ANONYMOUS, RunConfig, simulate
 from studies.oracle import write_oracle
+from studies.rooms import scratch
 from studies.transfer.alterations import Alteration
 
 
@@ -40,8 +40,8 @@ def record_and_diagnose(task: Preparation) -> Files:
     Raises:
         RuntimeError: the diagnosis failed.
     """
-    with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
-        run, given = Path(scratch) / "run", Path(scratch) / "given"
+    with scratch() as room:
+        run, given = room / "run", room / "given"
         run.mkdir()
         given.mkdir()
         simulate(task.config, task.alteration.effects, run, name=ANONYMOUS)
@@ -73,9 +73,9 @@ def oracle_model(alteration: Alteration, robots: int) -> Files:
 
 def _written(write: Callable[[Path], None]) -> Files:
     """What is written into a directory."""
-    with tempfile.TemporaryDirectory(prefix="realitygap-") as scratch:
-        write(Path(scratch))
-        return read_files(Path(scratch))
+    with scratch() as room:
+        write(room)
+        return read_files(room)
 
 
 def diagnosis_of(folder: Path) -> dict[str, Any] | None:

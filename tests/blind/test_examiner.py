@@ -8,7 +8,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -18,7 +17,7 @@ from studies.blind import examiner
 from studies.blind.examiner import LOG, ask
 from studies.blind.record import diagnose
 from studies.experiment import RunConfig, simulate
-from tests.helpers import ROOT
+from tests.helpers import ROOT, children, until, wait_until_gone
 
 
 @pytest.fixture(scope="module")
@@ -59,8 +58,22 @@ def test_after_an_examiner_has_died_another_answers(given: Path) -> None:
     process = examiner._examiner().process
     assert process is not None
     os.killpg(process.pid, signal.SIGKILL)
-    assert ask(given) == (None, "the examiner died")
     assert ask(given)[1] is None
+
+
+def test_a_killed_fork_is_no_answer_about_the_log_but_killing_always_ends_it(
+    given: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    started = []
+
+    def deadly() -> subprocess.Popen[str]:
+        started.append(True)
+        return subprocess.Popen(["true"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    examiner._examiner().stop()
+    monkeypatch.setattr(examiner, "_started", deadly)
+    assert ask(given) == (None, "the examiner died")
+    assert len(started) == examiner.TRIES
 
 
 def test_threads_and_interrupted_questions_get_their_own_answers(
@@ -87,16 +100,13 @@ def test_an_examiner_ends_with_whoever_asked_and_its_fork_with_it(given: Path) -
         [sys.executable, "-c", ASK, str(given)], stdout=subprocess.PIPE, cwd=ROOT, text=True
     )
     assert asker.stdout is not None
-    group = int(asker.stdout.readline())
+    pid = int(asker.stdout.readline())
+    until(lambda: children(pid))
+    fork = children(pid)
     asker.kill()
     asker.communicate()
-    for _ in range(200):
-        try:
-            os.killpg(group, 0)
-        except ProcessLookupError:
-            return
-        time.sleep(0.05)
-    pytest.fail(f"processes of group {group} are left")
+    for each in (pid, *fork):
+        wait_until_gone(each)
 
 
 ASK = """
