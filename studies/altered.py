@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from studies.experiment import RunConfig, simulate
 from studies.output import whole_directory
+from studies.provenance import write_json
 from studies.rooms import scratch
 
 Files = Mapping[str, bytes]
+NOTES = "run.json"
 MODEL = "extended.toml"
 """Of a directory with an extended model and its sensor tables."""
 
@@ -35,6 +38,10 @@ def run_altered(task: AlteredRun) -> dict[str, bytes]:
             keep(task.model, model)
             config = config.model_copy(update={"model": str(model / MODEL)})
         simulate(config, task.effects, out)
+        if task.model is not None:  # not the temporary path, which differs from run to run
+            notes = json.loads((out / NOTES).read_text(encoding="utf-8"))
+            notes["config"]["model"] = MODEL
+            write_json(out / NOTES, notes)
         return dict(read_files(out))
 
 

@@ -87,5 +87,6 @@ def _outcome() -> tuple[int, str]:
     except Diverged as error:
         return 1, shown(error, LONGEST_EXPECTED)
     except OSError as error:
-        where = "" if error.filename is None else f"{shown(error.filename)}: "
+        path = error.filename2 or error.filename  # of a copy what is written
+        where = "" if path is None else f"{shown(path)}: "
         return 1, f"{where}{shown(error.strerror or error)}"
