@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from subprocess import Popen
 from typing import Any
 
 import pytest
@@ -93,25 +94,30 @@ with whole_directory(Path(sys.argv[1])) as part:
 """
 
 
-def holding(out: Path) -> subprocess.Popen[str]:
-    """A process in the middle of writing."""
-    process = subprocess.Popen(
-        [sys.executable, "-c", HOLD, str(out)],
+@contextmanager
+def running(script: str, *words: str, **variables: str) -> Iterator[tuple[Popen[str], str]]:
+    """A process that never ends by itself, and the first line it says."""
+    process = Popen(
+        [sys.executable, "-c", script, *words],
         cwd=ROOT,
-        env=ENVIRONMENT,
+        env={**ENVIRONMENT, **variables},
         stdout=subprocess.PIPE,
         text=True,
     )
-    assert process.stdout is not None
-    assert process.stdout.readline() == "holds\n"
-    return process
+    try:
+        assert process.stdout is not None
+        yield process, process.stdout.readline().strip()
+    finally:
+        process.kill()
+        process.communicate()
 
 
 @pytest.mark.parametrize("target", ["same", "other"])
 def test_what_a_killed_command_left_is_cleared_by_the_next_and_a_living_ones_never(
     tmp_path: Path, target: str
 ) -> None:
-    with holding(tmp_path / "same") as killed, holding(tmp_path / "living") as living:
+    same, other = str(tmp_path / "same"), str(tmp_path / "living")
+    with running(HOLD, same) as (killed, _), running(HOLD, other):
         killed.kill()
         killed.wait()
         assert (tmp_path / ".same.part/new/same/half").exists()
@@ -120,7 +126,6 @@ def test_what_a_killed_command_left_is_cleared_by_the_next_and_a_living_ones_nev
         rooms = [path.name for path in tmp_path.glob(".*")]
         assert rooms == [".living.part"]
         assert (tmp_path / ".living.part/new/living/half").exists()
-        living.kill()
 
 
 def test_a_strangers_directory_is_never_taken_for_a_room(tmp_path: Path) -> None:
@@ -318,37 +323,20 @@ with scratch() as room:
 def test_temporary_files_of_a_killed_command_are_cleared_by_the_next_and_a_living_ones_never(
     tmp_path: Path,
 ) -> None:
-    environment = {**ENVIRONMENT, "TMPDIR": str(tmp_path)}
-    started = [
-        subprocess.Popen(
-            [sys.executable, "-c", SCRATCH],
-            cwd=ROOT,
-            env=environment,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        for _ in range(2)
-    ]
-    killed, living = started
-    rooms = []
-    for process in started:
-        assert process.stdout is not None
-        rooms.append(Path(process.stdout.readline().strip()))
     stranger = tmp_path / "realitygap-notes"
     stranger.mkdir()
-    try:
-        killed.send_signal(signal.SIGKILL)
+    here = {"TMPDIR": str(tmp_path)}
+    with running(SCRATCH, **here) as (killed, stale), running(SCRATCH, **here) as (_, used):
+        killed.kill()
         killed.wait()
-        assert (rooms[0] / "log").exists()
+        assert Path(stale, "log").exists()
         command = [sys.executable, "-m", "studies.command", "effects", "--quiet"]
-        subprocess.run(command, cwd=ROOT, env=environment, check=True, capture_output=True)
-        assert not rooms[0].parent.exists()
-        assert (rooms[1] / "log").exists()
+        subprocess.run(
+            command, cwd=ROOT, env={**ENVIRONMENT, **here}, check=True, capture_output=True
+        )
+        assert not Path(stale).parent.exists()
+        assert Path(used, "log").exists()
         assert stranger.exists()
-    finally:
-        living.kill()
-        living.communicate()
-        killed.communicate()
 
 
 def test_a_commands_temporary_files_are_in_one_room_that_goes_with_it(tmp_path: Path) -> None:
