@@ -105,8 +105,8 @@ class Room:
         """Remove it with all that is in it."""
         with shielded(), self._lock:
             _rooms.discard(self)
-            _empty(self.path)
             with suppress(OSError):  # what could not be removed stays marked by the lock
+                _empty(self.path)
                 if os.listdir(self.path) == [LOCK]:
                     (self.path / LOCK).unlink()
                     self.path.rmdir()
@@ -135,7 +135,8 @@ def _taken(path: Path) -> Room | None:
     with suppress(FileExistsError):
         path.mkdir(mode=0o700)
     try:
-        if os.listdir(path) and not (path / LOCK).exists():
+        names = os.listdir(path)
+        if names and LOCK not in names:
             raise FileExistsError(errno.EEXIST, f"{path.name} is in the way", str(path))
         lock = _locked(path, "a+")
     except FileNotFoundError:
@@ -196,6 +197,7 @@ def close_rooms() -> None:
 
 
 atexit.register(close_rooms)
+os.register_at_fork(after_in_child=_rooms.clear)  # they are the parent's
 
 
 def clear_stale(folder: Path, prefix: str, suffix: str) -> None:

@@ -25,6 +25,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -35,6 +36,7 @@ MARK = "REALITYGAP_KILLS"
 """Variable that marks the processes of a command, whatever session they are in."""
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)
 VICTIMS = ("parent", "worker", "diagnosis")
+NOBODY = "nobody: it had ended"
 WALL_TIMES = (
     "wall_seconds",
     "sessions",
@@ -180,15 +182,19 @@ def _what(words: str) -> str:
     return "parent"
 
 
-def kill(place: Place, parent: int, after: float, number: int, wanted: str) -> str:
+def kill(
+    place: Place, command: subprocess.Popen[str], after: float, number: int, wanted: str
+) -> str:
     """Wait and send a signal; the victim, the command itself where there is no such process."""
     time.sleep(after)
     victims = [pid for pid, what in place.processes().items() if what == wanted]
-    pid, victim = (random.choice(victims), wanted) if victims else (parent, "parent")
+    if command.poll() is not None:
+        return NOBODY
+    pid, victim = (random.choice(victims), wanted) if victims else (command.pid, "parent")
     try:
         os.kill(pid, number)
     except ProcessLookupError:
-        return "nobody"
+        return NOBODY
     return victim
 
 
@@ -205,8 +211,8 @@ def trial(place: Place, whole: dict[str, str], seconds: float, tally: Tally) -> 
         tally.faults.append(f"{what}: {text}\n{said}")
 
     process = place.start()
-    victim = kill(place, process.pid, after, number, wanted)
-    tally.kills += 1
+    victim = kill(place, process, after, number, wanted)
+    tally.kills += victim != NOBODY
     tally.hit[f"{number.name} {victim}"] += 1
     code = process.wait(PATIENCE)
     tally.codes[code] += 1
@@ -309,7 +315,7 @@ def main() -> None:
     todo = [(kind, index) for kind in KINDS for index in range(counts.get(kind.name, 0))]
     random.shuffle(todo)
     end = time.monotonic() + 60.0 * asked.minutes
-    with TemporaryDirectory(prefix="kills-") as folder:
+    with TemporaryDirectory(prefix="kills-") as folder, suppress(KeyboardInterrupt):
         battery = Battery(Path(folder), prepared(Path(folder)))
         for done, (kind, index) in enumerate(todo, start=1):
             if time.monotonic() > end:
