@@ -119,7 +119,8 @@ def shell(line: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         ["bash", "-o", "pipefail", "-c", line.replace("$RG", '"$@"'), "-", *COMMAND],
         cwd=cwd,
-        env=ENVIRONMENT,
+        # under a limit on files, Python would cut off what it compiled and take it for whole later
+        env={**ENVIRONMENT, "PYTHONDONTWRITEBYTECODE": "1"},
         capture_output=True,
         text=True,
         check=False,
