@@ -19,8 +19,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from embedded_sim.errors import InputError
 from studies.execution import Finished, Workers, completed
-from studies.output import whole_directory
+from studies.output import SUFFIX, whole_directory
 from studies.provenance import as_json_bytes, file_sha256, versions
+from studies.rooms import clear_stale
 
 MANIFEST = "manifest.json"
 SHOWN = 40
@@ -69,8 +70,8 @@ class Pieces:
         Raises:
             InputError: what cannot be used cannot be removed.
         """
-        for remains in self.folder.glob(".*.part-*"):
-            shutil.rmtree(remains, ignore_errors=True)
+        if self.folder.is_dir():
+            clear_stale(self.folder, ".", SUFFIX)
         names = []
         for name, origin in wanted.items():
             path = self.path(name)

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from embedded_sim.errors import InputError
-from studies.output import claimed
+from studies.output import SUFFIX, claimed
 
 Shape = TypeVar("Shape")
 
@@ -67,8 +67,8 @@ def check_ours(out: Path, notes: str, folder: str, kind: str) -> None:
         raise InputError("--out", out, "a directory")
     if not out.is_dir() or (out / notes).exists():
         return
-    ours = (".lock", folder)
-    strange = [p for p in out.iterdir() if p.name not in ours and not p.match(f".{notes}.part-*")]
+    ours = (folder, f".{notes}{SUFFIX}")
+    strange = [path for path in out.iterdir() if path.name not in ours]
     if strange or any((out / folder).glob("*")):
         raise InputError("--out", out, f"a new or empty directory, or {kind} to resume")
 
