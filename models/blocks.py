@@ -35,7 +35,8 @@ def better(before: FloatArray, after: FloatArray, block: Rows) -> Better | None:
         block: (n,) block of each.
 
     Returns:
-        None where there are fewer than two blocks, which say nothing of chance.
+        None where there are fewer than two blocks, which say nothing of chance, or where the two
+        are the same.
     """
     known = np.isfinite(before) & np.isfinite(after)
     before, after, block = before[known], after[known], block[known]
@@ -44,14 +45,14 @@ def better(before: FloatArray, after: FloatArray, block: Rows) -> Better | None:
     if len(number) < 2:
         return None
     won = before - after
+    if not won.any():
+        return None
     mean = float(won.mean())
     left = np.bincount(each, won) - mean * number
     blocks = len(number)
     error = float(np.sqrt(np.sum(left**2) * blocks / (blocks - 1)) / number.sum())
-    if error == 0.0:
-        level = 0.5 if mean == 0.0 else float(mean < 0.0)
-    else:
-        level = float(stdtr(blocks - 1, -mean / error))
+    # where every block gains as much, chance has no part in it
+    level = float(mean < 0.0) if error == 0.0 else float(stdtr(blocks - 1, -mean / error))
     return Better(mean / max(float(before.mean()), np.finfo(float).tiny), level)
 
 

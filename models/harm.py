@@ -24,7 +24,8 @@ from models.prediction import MOTION
 from models.written import written
 
 LEVEL = 0.05
-"""One-sided level at which a prediction counts as better, or as worse."""
+"""Chance that any of a cause's errors counts as smaller, or as larger, though it is not: each of n
+errors that it changes is tested one-sided at this over n."""
 MARGIN = 0.02
 """Of the error that is there without the cause, by which it must grow to count as harm: less is
 seen by nobody, and every cause changes every prediction a little. Our choice."""
@@ -152,12 +153,13 @@ def _worst(predictions: Weighable, kept: frozenset[int]) -> tuple[int, str] | No
 
 def helps(found: Mapping[str, Better]) -> bool:
     """Whether something is predicted better."""
-    return any(one.level < LEVEL for one in found.values())
+    return any(one.level < LEVEL / len(found) for one in found.values())
 
 
 def worse(found: Mapping[str, Better]) -> list[str]:
     """Keys of what is predicted worse."""
-    return [k for k, one in found.items() if one.share < -MARGIN and one.level > 1.0 - LEVEL]
+    sure = 1.0 - LEVEL / max(len(found), 1)
+    return [k for k, one in found.items() if one.share < -MARGIN and one.level > sure]
 
 
 def robots_of(named: Sequence[Named], robots: Sequence[int]) -> list[int]:

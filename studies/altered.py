@@ -41,6 +41,8 @@ def run_altered(task: AlteredRun) -> dict[str, bytes]:
         if task.model is not None:  # not the temporary path, which differs from run to run
             notes = json.loads((out / NOTES).read_text(encoding="utf-8"))
             notes["config"]["model"] = MODEL
+            for one in notes["inputs"]:
+                one["file"] = Path(one["file"]).name
             write_json(out / NOTES, notes)
         return dict(read_files(out))
 

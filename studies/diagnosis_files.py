@@ -13,7 +13,7 @@ from embedded_sim.errors import InputError, nearest
 from models.catalogue import every_cause
 from models.causes.withheld import without
 from models.diagnosis import Diagnosis, as_json, extension, file_hash
-from models.extended import NAME, extended_text
+from models.extended import NAME, extended_text, read_back
 from models.extension import Extension
 from models.identify.diagnose import diagnose
 from models.log import SAMPLES, MeasuredLog, make_log, read_table
@@ -153,13 +153,19 @@ def _commands(table: pd.DataFrame) -> tuple[str, ...]:
 
 
 def write_extended(model: ModelFile, source: Path, named: Extension, out: Path) -> None:
-    """The model with an extension as `extended.toml`, its sensor tables beside it."""
+    """The model with an extension as `extended.toml`, its sensor tables beside it.
+
+    Raises:
+        InputError: the causes together are no model.
+    """
     beside_it = None
     if model.sensors is not None:
         tables = source.parent / model.sensors.tables
         shutil.copyfile(tables, out / tables.name)
         beside_it = tables.name
-    (out / NAME).write_text(extended_text(model, named, beside_it), encoding="utf-8")
+    text = extended_text(model, named, beside_it)
+    read_back(text)  # refuses what nobody could load
+    (out / NAME).write_text(text, encoding="utf-8")
 
 
 def _reference(given: str | None, model: ModelFile, scripted: bool) -> Reference | None:

@@ -135,7 +135,8 @@ def _feigned(steps: Sequence[Look], tracks: Tracks, reference: Reference) -> dic
     wide, columns = [], []
     for one in steps:
         k = int(np.argmax(np.abs(one.glance.unit)))
-        wide.append(float(_spread(one.glance.term, reference)[k]))
+        spread = float(_spread(one.glance.term, reference)[k])
+        wide.append(spread if np.isfinite(spread) else 0.0)  # unmeasured: nobody knows
         columns.append(np.sqrt(one.weight) * one.change / one.glance.unit[k])
     every = np.array(columns)
     names = [one.glance.term.cause.name for one in steps]
@@ -167,6 +168,8 @@ def _coordinates(
     gate = reference.gate(term.key)
     linear = _linear(term)
     best = np.full((size, len(tracks.robots)), np.nan)
+    if not (np.isfinite(gate) and np.isfinite(wide).all()):
+        return best  # no name without health that was measured
     for probe in sorted(probes, key=lambda one: float(np.abs(one.unit).max())):
         k = int(np.argmax(np.abs(probe.unit)))
         unit = float(strength(term, probe.unit[None], tracks.commands)[0, k])

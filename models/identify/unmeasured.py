@@ -40,7 +40,10 @@ def unmeasured(
     follows = [one for one in structure if reference.health(one.key) is None]
     words = {f"{CHANNELS[one.channel]} depending on {QUANTITIES[one.quantity]}" for one in follows}
     said += [not_named(causes)] if causes else []
-    said += [not_judged(words)] if words else []
+    if follows and len(follows) == len(structure):
+        said.append(not_judged({"anything follows a measured quantity"}))
+    elif words:
+        said.append(not_judged(words))
     return tuple(said)
 
 

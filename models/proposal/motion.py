@@ -41,7 +41,7 @@ def propose(examined: Examination, named: Named) -> Proposal | None:
     others = tuple(
         one.term
         for one in examined.identified.named
-        if one is not named and set(named.robots) <= set(one.robots)
+        if one.key != named.key and set(named.robots) <= set(one.robots)
     )
     twins = set(named.twins)
     rivals = [*named.twins, *(t for t in named.evidence.rivals if t.cause != named.term.cause)]

@@ -167,11 +167,16 @@ class SensePredictions:
         self, robots: Sequence[int], added: frozenset[int], taken: frozenset[int]
     ) -> dict[str, Better]:
         """Whether noise that is named or not makes the scatter of readings nearer."""
-        changed = [k for k in added | taken if self.named[k].term.cause.name == NOISE]
-        scales = self.senses.scatter
-        if not changed or scales is None or self.senses.sight is None:
+        changed = [
+            k
+            for k in added | taken
+            if self.named[k].term.cause.name == NOISE and set(self.named[k].robots) & set(robots)
+        ]
+        scales, sight = self.senses.scatter, self.senses.sight
+        if not changed or scales is None or sight is None:
             return {}
-        mine = [self.senses.sight.robots.index(robot) for robot in robots]
+        theirs = {robot for k in changed for robot in self.named[k].robots} & set(robots)
+        mine = [sight.robots.index(robot) for robot in sorted(theirs)]
         one, other = scales[:, mine]
         far, near = np.nanmean(np.abs([one, other])), np.nanmean(np.abs(one - other))
         nearer = bool(np.abs(one - other).mean() < np.abs(one).mean()) and bool(

@@ -202,14 +202,6 @@ def test_a_value_inside_its_bounds_is_a_name() -> None:
     assert bounded([inside]) == ((inside,), ())
 
 
-def test_rounding_beyond_a_bound_is_written_as_the_bound() -> None:
-    term = Term(causes()["wheel_radius_scale"], "")
-    beyond = replace(
-        named(), term=term, values=(Value("scale", 3.0000000000000004, 2.9, 3.1, "1"),)
-    )
-    assert written(beyond, beyond.values).parameters["scale"].value == 3.0
-
-
 def test_what_is_predicted_with_is_what_the_file_holds() -> None:
     cause = written(named(), named().values)
     file = as_written(MODEL, [cause])

@@ -221,7 +221,6 @@ def evidence_of(term: MotionTerm, at: FloatArray, covariance: FloatArray) -> Evi
         covariance=covariance,
         gain=100.0,
         share=0.5,
-        p_value=0.0,
         distance=9.0,
     )
 

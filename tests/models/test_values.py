@@ -153,7 +153,6 @@ def test_a_clock_far_too_early_is_not_called_a_latency_that_cannot_be() -> None:
         covariance=np.eye(1) * 1e-6,
         gain=90.0,
         share=0.5,
-        p_value=0.0,
         distance=20.0,
     )
     named = Named(

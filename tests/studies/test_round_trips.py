@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import os
+from math import cos, sin
 from pathlib import Path
 from typing import Any
 
+import pytest
 import tomli_w
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
+from embedded_sim import InputError
 from models.catalogue import every_cause
 from models.extension import Extension, NamedCause, ParameterValue
 from models.formats.mapped import SCALES, Map, Poses, Source, read_map
@@ -64,7 +68,7 @@ def named_causes(draw: st.DrawFn) -> NamedCause:
     if isinstance(cause, SenseCause) and cause.place:
         robots = "all"
     values = {}
-    for p in cause.parameters:
+    for p in (*cause.parameters, *cause.given):
         low, high = max(p.low, -1e300), min(p.high, 1e300)
         value = draw(st.floats(low, high) | st.sampled_from([low, high, p.null]))
         ends = sorted(draw(st.tuples(finite, finite)))
@@ -78,30 +82,56 @@ extensions = st.builds(
     Extension, log=texts, command=commands, causes=st.lists(named_causes(), max_size=3).map(tuple)
 )
 points = st.builds(Point, x=places, y=places)
-models = st.builds(
-    ModelFile,
-    name=texts.filter(bool),
-    robot=st.builds(
-        Robot,
-        wheel_radius=lengths,
-        axle=lengths,
-        body_radius=lengths,
-        wheel_speed_max=st.floats(1e-6, 1000.0),
-    ),
-    arena=st.none()
-    | st.builds(Arena, radius=lengths, nest=st.builds(Circle, x=places, y=places, radius=lengths)),
-    lamps=st.builds(Lamps, opposite=st.none() | points, at_nest=st.none() | points),
-    extension=st.none() | extensions,
-)
+
+
+@st.composite
+def arenas(draw: st.DrawFn, body: float) -> Arena:
+    """With room for a robot and, outside the nest, for food."""
+    radius = body * draw(st.floats(2.0, 50.0))
+    share = draw(st.floats(0.01, 0.5))
+    away, angle = draw(st.floats(0.0, 0.9)) * radius, draw(st.floats(0.0, 6.3))
+    nest = Circle(x=away * cos(angle), y=away * sin(angle), radius=share * (radius - body))
+    return Arena(radius=radius, nest=nest)
+
+
+@st.composite
+def model_files(draw: st.DrawFn) -> ModelFile:
+    body = draw(st.floats(1e-3, 1.0))
+    plain = ModelFile(
+        name=draw(texts.filter(bool)),
+        robot=Robot(
+            wheel_radius=draw(lengths),
+            axle=draw(lengths),
+            body_radius=body,
+            wheel_speed_max=draw(st.floats(1e-6, 1000.0)),
+        ),
+        arena=draw(st.none() | arenas(body)),
+        lamps=draw(st.builds(Lamps, opposite=st.none() | points, at_nest=st.none() | points)),
+    )
+    extended = plain.model_copy(update={"extension": draw(extensions)})
+    return extended if possible(extended) else plain
+
+
+def possible(model: ModelFile) -> bool:
+    """Whether its causes together leave what tables and places hold."""
+    try:
+        ModelFile.model_validate(model.model_dump())
+    except ValidationError:
+        return False
+    return True
 
 
 @often
-@given(model=models, named=extensions)
+@given(model=model_files(), named=extensions)
 def test_an_extended_model_is_read_back(tmp_path: Path, model: ModelFile, named: Extension) -> None:
-    write_extended(model, tmp_path / "model.toml", named, tmp_path)
     earlier = model.extension.causes if model.extension else ()
     whole = named.model_copy(update={"causes": (*earlier, *named.causes)})
     expected = model.model_copy(update={"extension": whole})
+    if not possible(expected):
+        with pytest.raises(InputError):
+            write_extended(model, tmp_path / "model.toml", named, tmp_path)
+        return
+    write_extended(model, tmp_path / "model.toml", named, tmp_path)
     assert read_model_file(tmp_path / "extended.toml") == expected
 
 

@@ -202,7 +202,7 @@ def test_a_broken_model_file_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize("controller", ["search", "probe:tour", "coevolution"])
 @pytest.mark.parametrize(
     ("content", "said"),
-    [(None, "a model file"), ("wheels = 3\n", "wheels"), ("wheels", "readable TOML")],
+    [(None, "a model file"), ("wheels = 3\n", "wheels"), ("wheels", "TOML")],
 )
 def test_whoever_drives_a_model_that_cannot_be_used_is_refused(
     controller: str, content: str | None, said: str, tmp_path: Path

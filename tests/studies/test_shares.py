@@ -56,7 +56,7 @@ def test_an_interval_of_shares_is_judged_by_the_hidden_torque() -> None:
 
     def said(low: float, high: float) -> Told:
         told = {"torque": {"value": 0.4, "low": low, "high": high, "unit": "1"}}
-        return Told("weak_motor", frozenset({1}), False, (), told)
+        return Told("weak_motor", frozenset({1}), False, (), True, told)
 
     assert _inside(hidden, said(0.35, 0.45)) == [True]
     assert _inside(hidden, said(0.45, 0.5)) == [False]
@@ -86,7 +86,6 @@ def named(share: float) -> Named:
         covariance=np.eye(1) * 1e-4,
         gain=90.0,
         share=0.5,
-        p_value=0.0,
         distance=20.0,
     )
     return Named(
