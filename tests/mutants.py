@@ -198,7 +198,8 @@ class Copy:
         self._server.stdin.write(json.dumps([number, *tests]) + "\n")
         self._server.stdin.flush()
         code = int(self._server.stdout.readline())
-        lines = (self.tree / SAID).read_text(encoding="utf-8").strip().splitlines()
+        text = (self.tree / SAID).read_text(encoding="utf-8", errors="replace")
+        lines = text.strip().splitlines()
         failed = [line.split(" - ")[0] for line in lines if line.startswith("FAILED ")]
         names = tuple(line.removeprefix("FAILED ") for line in failed)
         if code == FAILED and not names:

@@ -14,17 +14,22 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from embedded_sim import Drive
-from models.blocks import Better, better
+from models import claims
+from models.ahead import Ahead
+from models.blocks import Better, better, interval
 from models.causes import Motion, causes
 from models.claims import FAR, bounded, claimed
+from models.conditions import conditions
 from models.diagnosis import Diagnosis, as_json, extension
 from models.extended import as_written, extended_text, read_back
-from models.harm import harmless
+from models.harm import Predictions, harmless
 from models.held_out import parts
+from models.identify.detectable import _coordinates, _dose, rare
 from models.identify.diagnose import diagnose
 from models.identify.fit import Problem
 from models.identify.fitted import Fitted, Told, refitted
 from models.identify.hypothesis import Term
+from models.identify.screen import Glance
 from models.identify.tracks import cut_tracks
 from models.identify.value import Value
 from models.log import MeasuredLog, make_log
@@ -310,3 +315,74 @@ def test_every_second_of_a_robot_is_used_or_it_is_said_why_not() -> None:
 def test_without_a_reference_nobody_says_what_healthy_robots_leave() -> None:
     found = diagnose(log_of(table(13, {1: replace(HEALTHY, axle=0.056)})), MODEL, None).diagnosis
     assert all(gain.healthy is None for gain in found.gain.values())
+
+
+def test_a_part_is_judged_by_the_values_of_the_other() -> None:
+    one, log = named(), log_of(driven_log(1, robots=1, rows=600))
+    of_part = [Value("limit", limit, limit, limit, "rad/s") for limit in (4.0, 5.0)]
+    by_part = tuple({one.key: (value,)} for value in of_part)
+    predictions = Predictions(Ahead(log, conditions(log, MODEL)), MODEL, [one], by_part)
+    files = [predictions.file(frozenset({0}), part) for part in (0, 1)]
+    assert [file.motion(3).drive.speed_limit[0] for file in files] == [5.0, 4.0]
+
+
+def test_what_is_refused_is_not_exported_and_gains_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    frame = table(8, {1: MISMATCH}, rows=500)
+    log = log_of(frame)
+    examined = diagnose(log, MODEL, reference())
+    assert [one.exported for one in examined.diagnosis.named] == [True]
+    monkeypatch.setattr(claims, "harmless", lambda predictions: {0: "harms: not exported"})
+    found = claimed(examined, log).diagnosis
+    assert [(one.exported, one.why) for one in found.named] == [(False, "harms: not exported")]
+    assert all(gain.before == gain.after for gain in found.gain.values())
+
+
+def test_an_interval_of_a_mean_is_that_of_its_blocks() -> None:
+    rng = np.random.default_rng(6)
+    each = rng.normal(1.0, 0.2, 100)
+    ends = interval(each.repeat(10), np.arange(100).repeat(10), rng)
+    half = 1.96 * each.std() / 10.0
+    assert np.array(ends) == pytest.approx(each.mean() + np.array([-half, half]), abs=0.25 * half)
+
+
+@pytest.mark.parametrize("blocks", [2, 5, 50])
+def test_few_blocks_pass_a_gate_by_chance_as_rarely_as_many(blocks: int) -> None:
+    assert stats.t.sf(rare(4.3, blocks), blocks - 1) == pytest.approx(stats.norm.sf(4.3))
+
+
+SCALE = Term(causes()["wheel_radius_scale"], "")
+
+
+def glanced(error: float) -> Glance:
+    """A look at a robot by one step."""
+    none = np.zeros(1)
+    return Glance(
+        term=SCALE,
+        dose=none,
+        error=np.array([error]),
+        gain=none,
+        unit=np.array([SCALE.cause.parameters[0].step]),
+        curvature=np.array([1e9]),
+    )
+
+
+def test_a_size_that_is_seen_passes_its_gate_in_95_of_100_logs() -> None:
+    error, health, gate = 0.2, 0.3, 4.0
+    (size,) = _dose(glanced(error), health, gate, np.array([1e6]), 12.0)
+    got = size + error * np.random.default_rng(7).normal(size=4000)
+    far = got / np.hypot(error, health)
+    assert (far > gate).mean() == pytest.approx(0.95, abs=0.015)
+
+
+def test_what_healthy_differences_feign_is_not_seen() -> None:
+    healthy_robots = reference()
+    tracks = cut_tracks(log_of(driven_log(1, robots=1, rows=300)), MODEL)
+    sizes = []
+    for feigned in (0.0, 0.05):
+        extra, many = np.array([[feigned]]), np.array([50.0])
+        found = _coordinates(SCALE, [glanced(0.1)], extra, many, tracks, healthy_robots)
+        sizes.append(found[0, 0])
+    gate = healthy_robots.gate(SCALE.key)
+    assert sizes[0] < gate * 0.05 < sizes[1]

@@ -3,7 +3,7 @@ import shlex
 import subprocess
 from pathlib import Path
 
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from studies.diagnosis_request import Request
@@ -26,6 +26,7 @@ def as_bash_takes(line):
 @given(
     st.lists(names | st.text(st.characters(blacklist_characters="\0", codec="utf-8")), min_size=1)
 )
+@example(["\x012"])  # an escape before what could be its next digit
 def test_a_shell_takes_typed_words_as_they_were(words):
     line = typed(*words)
     assert line.isprintable()
