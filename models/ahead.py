@@ -21,7 +21,7 @@ from models.held_out import parts
 from models.log import MeasuredLog
 from models.motion_gap import BLOCK_SECONDS, throughout
 from models.noise import PoseNoise, window_noise
-from models.prediction import MOTION, Bools, judged_windows, off
+from models.prediction import MOTION, judged_windows, off
 from models.replay import HORIZONS, errors
 
 SECONDS = ("1 s", "5 s", "20 s")
@@ -142,17 +142,18 @@ class Ahead:
                 found[key(channel, horizon)] = both[:, column]
         return found
 
-    def clear_of_contact(self, name: str, robot: int) -> tuple[Bools, Rows]:
-        """(windows,) which of a robot's windows meet neither wall nor robot, and (windows,) numbers
-        of stretches of their length that they begin in."""
+    def apart(self, name: str, robot: int) -> Rows:
+        """(n,) which of a robot's windows, in order, meet neither wall nor robot, and share no
+        moment with one another."""
         look = self._looks[HORIZON_OF[name]]
         mine = self._mine(look, robot)
         pairs = Windows(look.pairs.first[mine], look.pairs.last[mine])
-        length = HORIZONS[HORIZON_OF[name]]
-        since = self.log.t[pairs.first] - self.log.t.min()
-        place = np.column_stack([self.log.segment[pairs.first], np.floor(since / length)])
-        cell = np.unique(place, axis=0, return_inverse=True)[1].reshape(-1)
-        return throughout(self._free, pairs), cell
+        chosen, free_from = [], -1
+        for k in np.flatnonzero(throughout(self._free, pairs)).tolist():
+            if pairs.first[k] > free_from:
+                chosen.append(k)
+                free_from = int(pairs.last[k])
+        return np.array(chosen, dtype=np.int64)
 
 
 def together(sizes: Sequence[dict[str, FloatArray]], name: str) -> FloatArray:

@@ -35,8 +35,9 @@ FAR = 5.0
 which on an error is far above them. The farthest of 130 healthy robots was 1.5."""
 SURE = 99.0
 """Standard deviations beyond which a distance says no more."""
-LEAST_APART = 3
-"""Windows that share no moment, of which the median must be far: fewer show no rule."""
+LEAST_APART = 8
+"""Windows that share no moment, of which the median must be far. Our choice: one push that nobody
+saw spoils at most two of them."""
 
 
 def claimed(
@@ -51,7 +52,8 @@ def claimed(
         seed: Of the draws of noise and of the resampling.
     """
     found, tracks, said = examined.identified, examined.tracks, examined.diagnosis
-    inside, ended = bounded(said.named)
+    sure, chance = _beyond_chance(said.named, tracks)
+    inside, ended = bounded(sure)
     ahead = Ahead(log, conditions(log, examined.model) if table is None else table)
     by_part = (refitted(found.fits, 0), refitted(found.fits, 1)) if inside else ({}, {})
     predictions = Predictions(ahead, examined.model, inside, by_part)
@@ -67,6 +69,7 @@ def claimed(
     diagnosis = replace(
         said,
         named=named,
+        not_checked=(*said.not_checked, *chance),
         unexplained=(*unexplained, *errors.far(named, unexplained)),
         gain=errors.gains(named, exported),
         detectable=tuple(_told(one, tracks.robots) for one in seen),
@@ -74,6 +77,25 @@ def claimed(
         used=tracks.used,
     )
     return replace(examined, diagnosis=diagnosis, errors=errors.by_robot(exported))
+
+
+def _beyond_chance(
+    named: Sequence[Named], tracks: Tracks
+) -> tuple[tuple[Named, ...], tuple[str, ...]]:
+    """Names that more than one block of windows shows, and the others in words: one block alone
+    says nothing of how much blocks differ."""
+    sure, said = [], []
+    for one in named:
+        mine = np.isin(np.array(tracks.robots)[tracks.robot], one.robots)
+        if len(np.unique(tracks.block[mine])) > 1:
+            sure.append(one)
+        else:
+            robots = ", ".join(map(str, one.robots))
+            said.append(
+                f"{one.term.cause.name} of robot {robots}: it looks so, but in a single stretch of "
+                "some seconds, which says nothing of chance: not named"
+            )
+    return tuple(sure), tuple(said)
 
 
 def bounded(named: Sequence[Named]) -> tuple[tuple[Named, ...], tuple[Unexplained, ...]]:
@@ -215,11 +237,11 @@ class _Errors:
         noise = self.ahead.sound(robot, path, path, self.tracks.noise, self.rng)
         worst, most = None, FAR
         for name, unit in KEYS.items():
-            clear, cell = self.ahead.clear_of_contact(name, robot)
-            if len(np.unique(cell[clear])) < LEAST_APART:
+            some = self.ahead.apart(name, robot)
+            if len(some) < LEAST_APART:
                 continue
-            seen, usual = float(np.median(off[name][clear])), float(np.median(noise[name][clear]))
-            if seen / usual > most:
+            seen, usual = float(np.median(off[name][some])), float(np.median(noise[name][some]))
+            if seen > most * usual > 0.0:
                 most, worst = seen / usual, (name, unit, seen, usual)
         if worst is None:
             return None

@@ -3,8 +3,8 @@
 A cause is exported only if the model with it predicts better on parts of the log that its values
 were not fitted to, 1, 5 or 20 s ahead in place or heading, and worse at none of them. The test is
 paired over blocks of time of the robots that have the cause (`models.blocks`): at most `LEVEL` by
-chance, and, to be worse, by more than `MARGIN` of the error. All named causes are judged together
-first, then each by leaving it out of the rest; what fails is dropped and the rest judged again.
+chance, and, to be worse, by more than `MARGIN` of the error. Each named cause is judged by leaving
+it out of the rest; what fails is dropped and the rest judged again, and at last all together.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ errors that it changes is tested one-sided at this over n."""
 MARGIN = 0.02
 """Of the error that is there without the cause, by which it must grow to count as harm: less is
 seen by nobody, and every cause changes every prediction a little. Our choice."""
+UNCHECKED = "seen, but the log has too little beside it to check: not exported"
+"""Why a cause is not exported that only one part of the log shows, or no window of the other."""
 
 
 class Weighable(Protocol):
@@ -114,7 +116,7 @@ def harmless(predictions: Weighable) -> dict[int, str]:
     """Causes that may not be exported, by number, and why."""
     named, by_part = predictions.named, predictions.by_part
     refused = {
-        k: "seen, but only in one part of the log, so that nothing could be checked: not exported"
+        k: UNCHECKED
         for k, one in enumerate(named)
         if any(one.key not in values for values in by_part)
     }
@@ -137,6 +139,9 @@ def _worst(predictions: Weighable, kept: frozenset[int]) -> tuple[int, str] | No
     if harmful:
         number = max(harmful, key=lambda k: max(alone[k][name].level for name in harmful[k]))
         return number, predictions.harms(harmful[number])
+    unchecked = [k for k, one in alone.items() if not one]
+    if unchecked:
+        return unchecked[0], UNCHECKED
     useless = [k for k, one in alone.items() if not helps(one)]
     if useless:
         number = max(useless, key=lambda k: min((b.level for b in alone[k].values()), default=1.0))

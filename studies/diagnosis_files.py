@@ -134,6 +134,12 @@ def read_logs(paths: Sequence[Path], model: ModelFile) -> MeasuredLog:
         InputError: as `models.log.read_log`.
     """
     tables = [read_table(path) for path in paths]
+    known: dict[str, Path] = {}
+    for path in paths if len(paths) > 1 else ():
+        digest = _hash([path])
+        if digest in known:
+            raise InputError(str(path), f"the same log as {known[digest]}", "each log once")
+        known[digest] = path
     first = _commands(tables[0])
     for path, table in zip(paths, tables, strict=True):
         if _commands(table) != first:

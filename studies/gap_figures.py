@@ -22,6 +22,8 @@ MAPPED = "1 s"
 """Horizon whose maps are drawn; `maps.parquet` has every horizon."""
 CELLS = 12
 """Cells of the arena's picture along each axis."""
+LEAST_REACH = 0.01
+"""m from the middle that a map shows at least, of a robot that stayed there."""
 ACROSS = 6
 """Conditions side by side."""
 MOST_LABELS = 12
@@ -152,7 +154,7 @@ def _arena(log: MeasuredLog, gap: MotionGap) -> Figure:
     known = gap.table[["x", "y"]].notna().all(axis=1).to_numpy()
     x, y = gap.table.loc[known, ["x", "y"]].to_numpy().T
     error = gap.error[known]
-    reach = float(np.abs([x, y]).max()) * 1.001
+    reach = max(float(np.abs([x, y]).max()) * 1.001, LEAST_REACH)
     edges = np.linspace(-reach, reach, CELLS + 1)
     cell = pd.DataFrame({"i": np.digitize(y, edges) - 1, "j": np.digitize(x, edges) - 1})
     cell["position error (mm)"] = 1000 * np.hypot(error[:, 0], error[:, 1])

@@ -107,11 +107,11 @@ class Pieces:
 
 def _flaw(path: Path, origin: Origin) -> str | None:
     """Why a piece cannot be used; None: it can."""
+    if not (path / MANIFEST).is_file():  # nor a pipe, which would keep its reader waiting
+        return f"it has no {MANIFEST}"
     try:
         noted = Manifest.model_validate_json((path / MANIFEST).read_bytes())
         there = {file.name for file in path.iterdir()} - {MANIFEST}
-    except FileNotFoundError:
-        return f"it has no {MANIFEST}"
     except (OSError, ValidationError):
         return f"its {MANIFEST} cannot be read"
     if differs := _difference(noted.made_from, _plain(origin)):
@@ -129,7 +129,7 @@ def _flaw(path: Path, origin: Origin) -> str | None:
 
 def _holds(path: Path, digest: str) -> bool:
     try:
-        return file_sha256(path) == digest
+        return path.is_file() and file_sha256(path) == digest
     except OSError:
         return False
 

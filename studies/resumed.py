@@ -79,8 +79,10 @@ def begun_with(path: Path, shape: type[Shape], kind: str) -> Shape:
     Raises:
         InputError: the file is damaged.
     """
+    expected = f"the {path.name} of {kind}; it is damaged: restore it, or use another directory"
+    if not path.is_file():  # nor a pipe, which would keep its reader waiting
+        raise InputError("--out", path, expected)
     try:
         return TypeAdapter(shape).validate_json(path.read_bytes())
     except (OSError, ValidationError):
-        expected = f"the {path.name} of {kind}; it is damaged: restore it, or use another directory"
         raise InputError("--out", path, expected) from None

@@ -179,9 +179,8 @@ class SensePredictions:
         mine = [sight.robots.index(robot) for robot in sorted(theirs)]
         one, other = scales[:, mine]
         far, near = np.nanmean(np.abs([one, other])), np.nanmean(np.abs(one - other))
-        nearer = bool(np.abs(one - other).mean() < np.abs(one).mean()) and bool(
-            np.abs(one - other).mean() < np.abs(other).mean()
-        )
+        own, others = np.nanmean(np.abs(one)), np.nanmean(np.abs(other))
+        nearer = bool(near < own and near < others)
         if changed[0] in taken:
             nearer, far, near = not nearer, near, far
         return {

@@ -386,3 +386,12 @@ def test_what_healthy_differences_feign_is_not_seen() -> None:
         sizes.append(found[0, 0])
     gate = healthy_robots.gate(SCALE.key)
     assert sizes[0] < gate * 0.05 < sizes[1]
+
+
+def test_a_robot_seen_in_one_short_stretch_alone_is_not_named() -> None:
+    wide = Drive(wheel_radius=(0.0190, 0.0220))
+    short = driven_log(3, robots=1, rows=60, drive=wide, position_noise=5e-4, heading_noise=5e-3)
+    found = diagnose(make_log(short, drive=Drive()), MODEL, None).diagnosis
+    assert found.named == ()
+    assert any("says nothing of chance: not named" in text for text in found.not_checked)
+    assert found.verdict == "cannot_tell"

@@ -52,10 +52,20 @@ def test_what_is_there_is_kept_unless_forced(log: Path, tmp_path: Path) -> None:
         diagnose_files(Request(logs=(log,)), tmp_path)
 
 
-def test_two_logs_are_one_log_of_two_runs(log: Path) -> None:
-    both = read_logs((log, log), read_model_file("epuck"))
+def test_two_logs_are_one_log_of_two_runs(log: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.csv"
+    write_table(driven_log(4, robots=1, rows=700), other)
+    both = read_logs((log, other), read_model_file("epuck"))
     assert both.segments["run"].nunique() == 2
     assert both.segments["robot"].nunique() == 1
+
+
+def test_a_log_given_twice_is_refused(log: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "copy.csv"
+    copy.write_bytes(log.read_bytes())
+    for again in (log, copy):
+        with pytest.raises(InputError, match="the same log as"):
+            read_logs((log, again), read_model_file("epuck"))
 
 
 def test_body_commands_are_read_by_the_geometry_without_the_extension(tmp_path: Path) -> None:

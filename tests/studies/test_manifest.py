@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -113,7 +114,11 @@ DAMAGES: Mapping[str, tuple[Callable[[Path], object], str]] = {
         lambda p: _edited(p / MANIFEST, schema=2),
         "its manifest.json cannot be read",
     ),
-    "a file in its place": (_a_file, "its manifest.json cannot be read"),
+    "a file in its place": (_a_file, "it has no manifest.json"),
+    "a pipe for a manifest": (
+        lambda p: ((p / MANIFEST).unlink(), os.mkfifo(p / MANIFEST)),
+        "it has no manifest.json",
+    ),
     "a dangling link in its place": (_a_link, "it has no manifest.json"),
 }
 
