@@ -36,7 +36,7 @@ slow: $(STAMP) ## the long batteries that `make test` leaves out
 lint: $(STAMP) ## style, types, import rules, C formatting
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy $(PACKAGES)
+	$(BIN)/mypy -p realitygap
 	$(BIN)/lint-imports
 	$(BIN)/clang-format --dry-run --Werror $(C_FILES)
 
@@ -44,7 +44,7 @@ mutants: $(STAMP) ## whether the tests notice the faults listed in tests/mutants
 	$(BIN)/python -m tests.mutants $(ONLY)
 
 bench: $(STAMP) ## the benchmarks; numbers in out/bench.json
-	$(BIN)/python -m studies.bench
+	$(BIN)/python -m realitygap.studies.bench
 
 asan: build/asan/asan_main build/asan/fuzz_main ## the C core under the address and undefined-behaviour sanitizers
 	./$<

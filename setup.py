@@ -4,7 +4,7 @@ from setuptools import setup
 
 setup(
     cffi_modules=[
-        "embedded_sim/build_core.py:ffibuilder",  # embedded_sim._core
-        "reality/build_optics.py:ffibuilder",  # reality._optics
+        "embedded_sim/build_core.py:ffibuilder",  # realitygap.embedded_sim._core
+        "reality/build_optics.py:ffibuilder",  # realitygap.reality._optics
     ]
 )

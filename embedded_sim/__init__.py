@@ -1,8 +1,8 @@
 """What a robot carries on its board: the C point model, the controller, and their evolution."""
 
-from embedded_sim.behaviour import Behaviour
-from embedded_sim.errors import Diverged, InputError
-from embedded_sim.model import (
+from realitygap.embedded_sim.behaviour import Behaviour
+from realitygap.embedded_sim.errors import Diverged, InputError
+from realitygap.embedded_sim.model import (
     CONTROL_STEP,
     SCENARIOS,
     SENSOR_ANGLES,
@@ -10,8 +10,8 @@ from embedded_sim.model import (
     Drive,
     PointModel,
 )
-from embedded_sim.senses import Senses
-from embedded_sim.simulator import (
+from realitygap.embedded_sim.senses import Senses
+from realitygap.embedded_sim.simulator import (
     TRIAL_SECONDS,
     Evaluation,
     Readings,
@@ -20,7 +20,7 @@ from embedded_sim.simulator import (
     readings,
     replay,
 )
-from embedded_sim.tables import Tables
+from realitygap.embedded_sim.tables import Tables
 
 __all__ = [
     "CONTROL_STEP",

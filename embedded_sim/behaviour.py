@@ -7,9 +7,9 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
-from embedded_sim._core import lib
-from embedded_sim.binding import check, refusal, structure
-from embedded_sim.model import CONTROL_STEP, SENSOR_ANGLES
+from realitygap.embedded_sim._core import lib
+from realitygap.embedded_sim.binding import check, refusal, structure
+from realitygap.embedded_sim.model import CONTROL_STEP, SENSOR_ANGLES
 
 
 @dataclass(frozen=True, kw_only=True)

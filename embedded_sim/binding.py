@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim._core import ffi, lib
-from embedded_sim.errors import Diverged, InputError
+from realitygap.embedded_sim._core import ffi, lib
+from realitygap.embedded_sim.errors import Diverged, InputError
 
 REFUSED: Any = ffi.typeof("rg_refusal *")
 SHOWN = 80

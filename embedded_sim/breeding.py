@@ -8,13 +8,18 @@ from typing import Protocol
 
 import numpy as np
 
-from embedded_sim._core import lib
-from embedded_sim.behaviour import Behaviour
-from embedded_sim.genetics import POPULATION, next_controllers, next_environment, random_genes
-from embedded_sim.genome import CHOICES, PAPER, Genome
-from embedded_sim.model import FloatArray, PointModel
-from embedded_sim.reading import Reading
-from embedded_sim.simulator import evaluate
+from realitygap.embedded_sim._core import lib
+from realitygap.embedded_sim.behaviour import Behaviour
+from realitygap.embedded_sim.genetics import (
+    POPULATION,
+    next_controllers,
+    next_environment,
+    random_genes,
+)
+from realitygap.embedded_sim.genome import CHOICES, PAPER, Genome
+from realitygap.embedded_sim.model import FloatArray, PointModel
+from realitygap.embedded_sim.reading import Reading
+from realitygap.embedded_sim.simulator import evaluate
 
 
 def third(gene: float) -> int:

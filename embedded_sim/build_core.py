@@ -32,7 +32,7 @@ def declarations() -> str:
 ffibuilder = FFI()
 ffibuilder.cdef(declarations())
 ffibuilder.set_source(
-    "embedded_sim._core",
+    "realitygap.embedded_sim._core",
     '#include "realitygap_core.h"',
     sources=[f"embedded_sim/core/{path.name}" for path in sorted(CORE.glob("*.c"))],
     include_dirs=["embedded_sim/core"],

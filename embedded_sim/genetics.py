@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim.genome import PAPER, Genome
-from embedded_sim.model import FloatArray
-from embedded_sim.reading import GENE_MAX, Reading
+from realitygap.embedded_sim.genome import PAPER, Genome
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.embedded_sim.reading import GENE_MAX, Reading
 
 POPULATION = 10
 """Controller genomes per robot (III-G), and most S0:F_R pairs a robot compares (III-H)."""

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from embedded_sim.behaviour import Behaviour
-from embedded_sim.model import FloatArray
-from embedded_sim.reading import GENE_MAX, Reading
+from realitygap.embedded_sim.behaviour import Behaviour
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.embedded_sim.reading import GENE_MAX, Reading
 
 CHOICES = 2
 """G0 and G1, the behaviour with and without food (paper, Fig. 4): the first genes of any genome."""

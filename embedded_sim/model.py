@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim._core import ffi, lib
-from embedded_sim.binding import check, finite, memory, refusal, structure, whole
-from embedded_sim.errors import InputError
-from embedded_sim.senses import LampGeometry, Senses, worked_in
-from embedded_sim.tables import FloatArray as FloatArray
-from embedded_sim.tables import Tables
+from realitygap.embedded_sim._core import ffi, lib
+from realitygap.embedded_sim.binding import check, finite, memory, refusal, structure, whole
+from realitygap.embedded_sim.errors import InputError
+from realitygap.embedded_sim.senses import LampGeometry, Senses, worked_in
+from realitygap.embedded_sim.tables import FloatArray as FloatArray
+from realitygap.embedded_sim.tables import Tables
 
 SENSORS = 8
 """Infrared and light sensors of an e-puck."""

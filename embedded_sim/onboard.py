@@ -13,15 +13,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim._core import ffi, lib
-from embedded_sim.behaviour import Behaviour
-from embedded_sim.binding import array, check, memory, refusal
-from embedded_sim.breeding import Bred, Breeder
-from embedded_sim.errors import InputError
-from embedded_sim.genetics import POPULATION
-from embedded_sim.genome import CHOICES
-from embedded_sim.model import CONTROL_STEP, SENSORS, FloatArray
-from embedded_sim.simulator import TRIAL_SECONDS
+from realitygap.embedded_sim._core import ffi, lib
+from realitygap.embedded_sim.behaviour import Behaviour
+from realitygap.embedded_sim.binding import array, check, memory, refusal
+from realitygap.embedded_sim.breeding import Bred, Breeder
+from realitygap.embedded_sim.errors import InputError
+from realitygap.embedded_sim.genetics import POPULATION
+from realitygap.embedded_sim.genome import CHOICES
+from realitygap.embedded_sim.model import CONTROL_STEP, SENSORS, FloatArray
+from realitygap.embedded_sim.simulator import TRIAL_SECONDS
 
 GENERATION_STEPS = round(60.0 / CONTROL_STEP)
 """Control steps of a generation: 60 s of a robot's own clock (III-H)."""

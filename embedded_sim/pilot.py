@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim.model import CONTROL_STEP, FloatArray, PointModel
-from embedded_sim.probes import MIDDLE, Lap, Probe
+from realitygap.embedded_sim.model import CONTROL_STEP, FloatArray, PointModel
+from realitygap.embedded_sim.probes import MIDDLE, Lap, Probe
 
 ARRIVED = 0.010
 """m from home at which a robot is there."""

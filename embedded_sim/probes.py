@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from embedded_sim.errors import InputError, nearest
-from embedded_sim.model import CONTROL_STEP, FloatArray, PointModel
+from realitygap.embedded_sim.errors import InputError, nearest
+from realitygap.embedded_sim.model import CONTROL_STEP, FloatArray, PointModel
 
 PREFIX = "probe:"
 """Before a manoeuvre's name where it stands for a controller."""

@@ -12,8 +12,8 @@ from typing import Literal
 
 import numpy as np
 
-from embedded_sim.errors import InputError, nearest
-from embedded_sim.model import FloatArray
+from realitygap.embedded_sim.errors import InputError, nearest
+from realitygap.embedded_sim.model import FloatArray
 
 GENE_MAX = 0.99
 """Genes lie in [0, 0.99] (paper, Figs. 4 and 5)."""

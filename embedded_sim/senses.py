@@ -12,10 +12,10 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from embedded_sim._core import lib
-from embedded_sim.binding import finite
-from embedded_sim.errors import InputError
-from embedded_sim.tables import FloatArray, Tables
+from realitygap.embedded_sim._core import lib
+from realitygap.embedded_sim.binding import finite
+from realitygap.embedded_sim.errors import InputError
+from realitygap.embedded_sim.tables import FloatArray, Tables
 
 NONE = (0.0,) * 8
 UNITY = (1.0,) * 8

@@ -11,11 +11,11 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim._core import ffi, lib
-from embedded_sim.behaviour import Behaviour
-from embedded_sim.binding import array, check, finite, memory, refusal
-from embedded_sim.errors import InputError
-from embedded_sim.model import CONTROL_STEP, SENSORS, Drive, FloatArray, PointModel
+from realitygap.embedded_sim._core import ffi, lib
+from realitygap.embedded_sim.behaviour import Behaviour
+from realitygap.embedded_sim.binding import array, check, finite, memory, refusal
+from realitygap.embedded_sim.errors import InputError
+from realitygap.embedded_sim.model import CONTROL_STEP, SENSORS, Drive, FloatArray, PointModel
 
 TRIAL_SECONDS = 60.0
 """s a genome forages virtually (paper, III-E); T_max of eq. 1."""

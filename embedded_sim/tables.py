@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim.binding import array, finite
-from embedded_sim.errors import InputError
+from realitygap.embedded_sim.binding import array, finite
+from realitygap.embedded_sim.errors import InputError
 
 FloatArray = npt.NDArray[np.float64]
 

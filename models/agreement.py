@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import Drive, replay
-from embedded_sim.model import FloatArray
-from models.frames import Windows, motion, wrapped
-from models.unit_mistakes import Reading
+from realitygap.embedded_sim import Drive, replay
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.frames import Windows, motion, wrapped
+from realitygap.models.unit_mistakes import Reading
 
 WINDOW = 1.0
 """s; long against latencies of real robots (0.3 s), short against their drift."""

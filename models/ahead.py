@@ -12,17 +12,17 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from embedded_sim.model import FloatArray
-from models.believed import replay_segments
-from models.causes import Motion
-from models.conditions import clear
-from models.frames import Rows, Windows
-from models.held_out import parts
-from models.log import MeasuredLog
-from models.motion_gap import BLOCK_SECONDS, throughout
-from models.noise import PoseNoise, window_noise
-from models.prediction import MOTION, judged_windows, off
-from models.replay import HORIZONS, errors
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.believed import replay_segments
+from realitygap.models.causes import Motion
+from realitygap.models.conditions import clear
+from realitygap.models.frames import Rows, Windows
+from realitygap.models.held_out import parts
+from realitygap.models.log import MeasuredLog
+from realitygap.models.motion_gap import BLOCK_SECONDS, throughout
+from realitygap.models.noise import PoseNoise, window_noise
+from realitygap.models.prediction import MOTION, judged_windows, off
+from realitygap.models.replay import HORIZONS, errors
 
 SECONDS = ("1 s", "5 s", "20 s")
 """Horizons at which a prediction is judged, of `HORIZONS`."""

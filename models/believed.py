@@ -10,14 +10,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from embedded_sim import PointModel, Tables
-from embedded_sim.model import FloatArray
-from models.causes import Motion
-from models.frames import Rows
-from models.identify.predict import driven
-from models.log import MeasuredLog
-from models.modelfile import ModelFile
-from models.replay import replay_log
+from realitygap.embedded_sim import PointModel, Tables
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Motion
+from realitygap.models.frames import Rows
+from realitygap.models.identify.predict import driven
+from realitygap.models.log import MeasuredLog
+from realitygap.models.modelfile import ModelFile
+from realitygap.models.replay import replay_log
 
 Own = Mapping[int, PointModel]
 """Point models of the robots that differ from the others, by id."""

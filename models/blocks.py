@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import stdtr
 
-from embedded_sim.model import FloatArray
-from models.frames import Rows
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.frames import Rows
 
 RESAMPLED = 400
 """Bootstrap samples of blocks for an interval."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from models.causes import Cause, causes
-from models.senses.causes import sense_causes
+from realitygap.models.causes import Cause, causes
+from realitygap.models.senses.causes import sense_causes
 
 
 def every_cause() -> dict[str, Cause]:

@@ -14,21 +14,21 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from embedded_sim.model import FloatArray
-from models.ahead import HORIZON_OF, KEYS, SECONDS, Ahead, key, together
-from models.blocks import interval
-from models.conditions import conditions
-from models.diagnosis import Detectable, Gain, Unexplained
-from models.harm import Predictions, harmless, robots_of
-from models.identify.detectable import Seen, detectable, untold
-from models.identify.examination import KINDS, Examination
-from models.identify.fitted import refitted
-from models.identify.swarm import Named
-from models.identify.tracks import Tracks
-from models.log import MeasuredLog
-from models.reference import Reference
-from models.replay import HORIZONS
-from models.written import at_bound
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.ahead import HORIZON_OF, KEYS, SECONDS, Ahead, key, together
+from realitygap.models.blocks import interval
+from realitygap.models.conditions import conditions
+from realitygap.models.diagnosis import Detectable, Gain, Unexplained
+from realitygap.models.harm import Predictions, harmless, robots_of
+from realitygap.models.identify.detectable import Seen, detectable, untold
+from realitygap.models.identify.examination import KINDS, Examination
+from realitygap.models.identify.fitted import refitted
+from realitygap.models.identify.swarm import Named
+from realitygap.models.identify.tracks import Tracks
+from realitygap.models.log import MeasuredLog
+from realitygap.models.reference import Reference
+from realitygap.models.replay import HORIZONS
+from realitygap.models.written import at_bound
 
 FAR = 5.0
 """Times the median error that tracker noise leaves of a healthy robot by the healthy model, from

@@ -16,9 +16,9 @@ import numpy.typing as npt
 import pandas as pd
 from scipy.spatial import cKDTree
 
-from embedded_sim.model import FloatArray
-from models.log import MeasuredLog
-from models.modelfile import ModelFile
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.log import MeasuredLog
+from realitygap.models.modelfile import ModelFile
 
 QUANTILE_BINS = 5
 TIME_BINS = 6

@@ -15,13 +15,13 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from models.extension import Extension
-from models.identify.swarm import Named
-from models.opened import opened
-from models.proposal.menu import Proposal
-from models.table_files import MOST_BYTES
-from models.used import Used
-from models.written import written
+from realitygap.models.extension import Extension
+from realitygap.models.identify.swarm import Named
+from realitygap.models.opened import opened
+from realitygap.models.proposal.menu import Proposal
+from realitygap.models.table_files import MOST_BYTES
+from realitygap.models.used import Used
+from realitygap.models.written import written
 
 SCHEMA = 2
 Verdict = Literal["named", "nothing_wrong", "cannot_tell", "unexplained", "ambiguous"]

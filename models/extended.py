@@ -13,9 +13,9 @@ from typing import Any
 
 import tomli_w
 
-from models.extension import Extension, NamedCause
-from models.files import checked
-from models.modelfile import ModelFile
+from realitygap.models.extension import Extension, NamedCause
+from realitygap.models.files import checked
+from realitygap.models.modelfile import ModelFile
 
 NAME = Path("extended.toml")
 

@@ -31,12 +31,12 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from embedded_sim.errors import InputError, nearest
-from embedded_sim.model import FloatArray
-from models.catalogue import every_cause
-from models.causes import ALL, Cause, Motion, Parameter
-from models.files import Refused, Table
-from models.senses.cause import Belief, SenseCause
+from realitygap.embedded_sim.errors import InputError, nearest
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.catalogue import every_cause
+from realitygap.models.causes import ALL, Cause, Motion, Parameter
+from realitygap.models.files import Refused, Table
+from realitygap.models.senses.cause import Belief, SenseCause
 
 ROBOTS = 'robot numbers from 0, as in [3] or [1, 4], or "all"'
 

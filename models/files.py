@@ -9,8 +9,8 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from embedded_sim.errors import InputError, nearest, quoted
-from models.opened import json_values
+from realitygap.embedded_sim.errors import InputError, nearest, quoted
+from realitygap.models.opened import json_values
 
 
 class Table(BaseModel):

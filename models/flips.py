@@ -17,9 +17,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim.model import FloatArray
-from models.conditions import Bins
-from models.tracker import NORMAL
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.conditions import Bins
+from realitygap.models.tracker import NORMAL
 
 FLIPS = 999
 """Random turns: the smallest p-value is 0.001."""

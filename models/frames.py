@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim.model import FloatArray
+from realitygap.embedded_sim.model import FloatArray
 
 Rows = npt.NDArray[np.int64]
 

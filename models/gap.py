@@ -7,23 +7,23 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from embedded_sim import InputError, PointModel
-from models.believed import motions, own_models, replay_believed
-from models.causes import Motion
-from models.conditions import Bins, conditions
-from models.flips import Map
-from models.horizons import horizon_errors
-from models.log import MeasuredLog
-from models.modelfile import ModelFile
-from models.motion_gap import MotionGap, condition_bins, motion_gap
-from models.noise import PoseNoise, pose_noise
-from models.replay import CHANNELS, HORIZONS
-from models.robots import Odd, odd_robots
-from models.schema import LS, PS
-from models.sensing import scenarios
-from models.sensor_gap import SensorGap, sensor_gap, sensors_to_judge
-from models.shares import Share
-from models.spread import Excess
+from realitygap.embedded_sim import InputError, PointModel
+from realitygap.models.believed import motions, own_models, replay_believed
+from realitygap.models.causes import Motion
+from realitygap.models.conditions import Bins, conditions
+from realitygap.models.flips import Map
+from realitygap.models.horizons import horizon_errors
+from realitygap.models.log import MeasuredLog
+from realitygap.models.modelfile import ModelFile
+from realitygap.models.motion_gap import MotionGap, condition_bins, motion_gap
+from realitygap.models.noise import PoseNoise, pose_noise
+from realitygap.models.replay import CHANNELS, HORIZONS
+from realitygap.models.robots import Odd, odd_robots
+from realitygap.models.schema import LS, PS
+from realitygap.models.sensing import scenarios
+from realitygap.models.sensor_gap import SensorGap, sensor_gap, sensors_to_judge
+from realitygap.models.shares import Share
+from realitygap.models.spread import Excess
 
 LEVEL = 0.04
 """Chance that any mean depends on anything in a log that the model explains up to noise."""

@@ -12,16 +12,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from embedded_sim.model import FloatArray
-from models.ahead import KEYS, SECONDS, Ahead, key, together
-from models.blocks import Better, better
-from models.extended import as_written
-from models.extension import NamedCause
-from models.identify.fitted import Values
-from models.identify.swarm import Named
-from models.modelfile import ModelFile
-from models.prediction import MOTION
-from models.written import written
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.ahead import KEYS, SECONDS, Ahead, key, together
+from realitygap.models.blocks import Better, better
+from realitygap.models.extended import as_written
+from realitygap.models.extension import NamedCause
+from realitygap.models.identify.fitted import Values
+from realitygap.models.identify.swarm import Named
+from realitygap.models.modelfile import ModelFile
+from realitygap.models.prediction import MOTION
+from realitygap.models.written import written
 
 LEVEL = 0.05
 """Chance that any of a cause's errors counts as smaller, or as larger, though it is not: each of n

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from models.frames import Rows
-from models.log import MeasuredLog
+from realitygap.models.frames import Rows
+from realitygap.models.log import MeasuredLog
 
 PARTS = 2
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from embedded_sim.model import FloatArray
-from models.log import MeasuredLog
-from models.noise import PoseNoise, window_noise
-from models.replay import HORIZONS, errors, windows
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.log import MeasuredLog
+from realitygap.models.noise import PoseNoise, window_noise
+from realitygap.models.replay import HORIZONS, errors, windows
 
 QUANTILES = {"median": 0.5, "p95": 0.95}
 COLUMNS = {"position": "m", "heading": "rad"}

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim.model import FloatArray
+from realitygap.embedded_sim.model import FloatArray
 
 FLOOR = 1e-10
 """Of the largest parameter's information, or of one, that a parameter must have: less is rounding

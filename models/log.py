@@ -16,10 +16,10 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from embedded_sim import Drive, InputError
-from embedded_sim.model import FloatArray
-from models.plausible import check_units
-from models.schema import (
+from realitygap.embedded_sim import Drive, InputError
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.plausible import check_units
+from realitygap.models.schema import (
     BODY_COMMANDS,
     KEYS,
     POSE,
@@ -28,8 +28,8 @@ from models.schema import (
     check_columns,
     coerce,
 )
-from models.table_files import read_csv, read_parquet
-from models.tracker import repair
+from realitygap.models.table_files import read_csv, read_parquet
+from realitygap.models.tracker import repair
 
 SAMPLES = "samples.parquet"
 EXPECTED = "a readable table (.parquet, .csv or .csv.gz), or a run's directory"

@@ -14,13 +14,13 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from embedded_sim import Drive, InputError, PointModel, Tables
-from embedded_sim.errors import nearest
-from models.causes import Motion
-from models.extension import Extension
-from models.files import Refused, Table, checked
-from models.opened import toml_values
-from models.tables import load_tables
+from realitygap.embedded_sim import Drive, InputError, PointModel, Tables
+from realitygap.embedded_sim.errors import nearest
+from realitygap.models.causes import Motion
+from realitygap.models.extension import Extension
+from realitygap.models.files import Refused, Table, checked
+from realitygap.models.opened import toml_values
+from realitygap.models.tables import load_tables
 
 ROBOTS = Path(__file__).parent / "robots"
 SHIPPED = tuple(sorted(path.stem for path in ROBOTS.glob("*.toml")))

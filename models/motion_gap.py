@@ -8,15 +8,15 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from embedded_sim.model import FloatArray
-from models.conditions import Bins, bins, clear
-from models.flips import Map, residual_maps, scores
-from models.frames import Windows, motion
-from models.log import MeasuredLog
-from models.noise import PoseNoise, window_noise
-from models.replay import CHANNELS, HORIZONS, errors, windows
-from models.shares import Share, split
-from models.spread import Excess, excess
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.conditions import Bins, bins, clear
+from realitygap.models.flips import Map, residual_maps, scores
+from realitygap.models.frames import Windows, motion
+from realitygap.models.log import MeasuredLog
+from realitygap.models.noise import PoseNoise, window_noise
+from realitygap.models.replay import CHANNELS, HORIZONS, errors, windows
+from realitygap.models.shares import Share, split
+from realitygap.models.spread import Excess, excess
 
 UNITS = {"along": "m", "across": "m", "heading": "rad"}
 BLOCK_SECONDS = 5.0

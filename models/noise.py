@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim.model import FloatArray
-from models.frames import Windows, motion, moved, wrapped
-from models.log import MeasuredLog
-from models.tracker import NORMAL
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.frames import Windows, motion, moved, wrapped
+from realitygap.models.log import MeasuredLog
+from realitygap.models.tracker import NORMAL
 
 SETTLED_ROWS = 5
 """Rows a command must have held to count as steady. Our choice: 0.2 s at 25 Hz, several time

@@ -16,8 +16,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from embedded_sim import InputError
-from embedded_sim.errors import reason
+from realitygap.embedded_sim import InputError
+from realitygap.embedded_sim.errors import reason
 
 MOST_TOML = 2**20
 """bytes of a model file or map. Our choice: fifty times the longest model that we write."""

@@ -16,10 +16,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import Drive, InputError
-from embedded_sim.model import FloatArray
-from models.agreement import STEPS, Driven, contrast, disagreement, usual_step
-from models.unit_mistakes import Reading, mistakes
+from realitygap.embedded_sim import Drive, InputError
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.agreement import STEPS, Driven, contrast, disagreement, usual_step
+from realitygap.models.unit_mistakes import Reading, mistakes
 
 SAMPLE = 20_000
 """Rows looked at, from the start of every segment in turn: enough for any of these mistakes."""

@@ -17,23 +17,23 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from embedded_sim import SENSORS, PointModel, Tables
-from embedded_sim.model import FloatArray
-from models.believed import replay_believed
-from models.causes import Motion
-from models.conditions import clear, conditions
-from models.frames import Windows
-from models.log import MeasuredLog
-from models.modelfile import ModelFile
-from models.motion_gap import CLEAR_TO, throughout
-from models.replay import HORIZONS, errors, windows
-from models.schema import LS, PS
-from models.senses.cause import Belief
-from models.senses.direct import noise_scale
-from models.senses.nest import answers
-from models.senses.predicted import noise, predict
-from models.senses.sight import Sight, look, poses_as_stood
-from models.sensor_gap import sensors_to_judge
+from realitygap.embedded_sim import SENSORS, PointModel, Tables
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.believed import replay_believed
+from realitygap.models.causes import Motion
+from realitygap.models.conditions import clear, conditions
+from realitygap.models.frames import Windows
+from realitygap.models.log import MeasuredLog
+from realitygap.models.modelfile import ModelFile
+from realitygap.models.motion_gap import CLEAR_TO, throughout
+from realitygap.models.replay import HORIZONS, errors, windows
+from realitygap.models.schema import LS, PS
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.direct import noise_scale
+from realitygap.models.senses.nest import answers
+from realitygap.models.senses.predicted import noise, predict
+from realitygap.models.senses.sight import Sight, look, poses_as_stood
+from realitygap.models.sensor_gap import sensors_to_judge
 
 BLOCK_SECONDS = 5.0
 """s of one robot that are kept together for resampling, as elsewhere: longer than most contacts."""

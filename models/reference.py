@@ -16,12 +16,12 @@ from typing import Protocol, TypeVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from embedded_sim import Drive
-from embedded_sim.model import FloatArray
-from models.catalogue import every_cause
-from models.causes import Motion
-from models.files import Finite, Refused, read_json, write_json
-from models.identify.inherent import INHERENT
+from realitygap.embedded_sim import Drive
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.catalogue import every_cause
+from realitygap.models.causes import Motion
+from realitygap.models.files import Finite, Refused, read_json, write_json
+from realitygap.models.identify.inherent import INHERENT
 
 DIRECTORY = Path(__file__).parent / "references"
 SCHEMA = 1

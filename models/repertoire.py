@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.log import MeasuredLog
+from realitygap.models.log import MeasuredLog
 
 RARELY = 0.02
 """Share of a run's rows, from each robot's first motion on, in which robots stand or reverse. Our

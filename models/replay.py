@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from embedded_sim import Drive, replay
-from embedded_sim.model import FloatArray
-from models.frames import Rows, Windows, motion, wrapped
-from models.log import GAP_STEPS, MeasuredLog
+from realitygap.embedded_sim import Drive, replay
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.frames import Rows, Windows, motion, wrapped
+from realitygap.models.log import GAP_STEPS, MeasuredLog
 
 HORIZONS = {"step": 0.0, "0.4 s": 0.4, "1 s": 1.0, "5 s": 5.0, "20 s": 20.0}
 """Window lengths (s) by name; `step` is from one row to the next."""

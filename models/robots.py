@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim.model import FloatArray
-from models.conditions import Bins
-from models.frames import Rows
-from models.tracker import NORMAL
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.conditions import Bins
+from realitygap.models.frames import Rows
+from realitygap.models.tracker import NORMAL
 
 DEALS = 999
 """Random deals: the smallest p-value is 0.001."""

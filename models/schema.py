@@ -13,9 +13,9 @@ import pandas as pd
 import pandera.errors
 import pandera.pandas as pa
 
-from embedded_sim import SENSORS, InputError
-from embedded_sim.errors import LONGEST_NAME, nearest, shown
-from models.opened import parsing
+from realitygap.embedded_sim import SENSORS, InputError
+from realitygap.embedded_sim.errors import LONGEST_NAME, nearest, shown
+from realitygap.models.opened import parsing
 
 POSE = ("x", "y", "yaw")
 WHEEL_COMMANDS = ("cmd_left", "cmd_right")

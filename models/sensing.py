@@ -15,13 +15,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import SENSORS, PointModel, Tables, readings
-from embedded_sim.model import FloatArray
-from models.frames import Windows, motion, moved, wrapped
-from models.log import MeasuredLog
-from models.noise import PoseNoise
-from models.replay import windows
-from models.schema import CASES, LS, PS
+from realitygap.embedded_sim import SENSORS, PointModel, Tables, readings
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.frames import Windows, motion, moved, wrapped
+from realitygap.models.log import MeasuredLog
+from realitygap.models.noise import PoseNoise
+from realitygap.models.replay import windows
+from realitygap.models.schema import CASES, LS, PS
 
 HALF = 4
 """Rows averaged on each side: 0.36 s at 25 Hz, over which a replay hardly drifts."""

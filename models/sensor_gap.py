@@ -10,17 +10,17 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from embedded_sim import SENSORS, PointModel
-from embedded_sim.model import FloatArray
-from models.causes import Motion
-from models.conditions import Bins, bins, edges_bins
-from models.flips import Map, residual_maps, scores
-from models.log import MeasuredLog
-from models.motion_gap import blocks, condition_bins
-from models.noise import PoseNoise
-from models.schema import LS, PS
-from models.senses.sight import poses_as_stood
-from models.sensing import (
+from realitygap.embedded_sim import SENSORS, PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Motion
+from realitygap.models.conditions import Bins, bins, edges_bins
+from realitygap.models.flips import Map, residual_maps, scores
+from realitygap.models.log import MeasuredLog
+from realitygap.models.motion_gap import blocks, condition_bins
+from realitygap.models.noise import PoseNoise
+from realitygap.models.schema import LS, PS
+from realitygap.models.senses.sight import poses_as_stood
+from realitygap.models.sensing import (
     SPACING,
     Predicted,
     averaged_poses,
@@ -29,7 +29,7 @@ from models.sensing import (
     predict,
     scenarios,
 )
-from models.shares import Share, split
+from realitygap.models.shares import Share, split
 
 KINDS = {"ps": slice(0, SENSORS), "ls": slice(SENSORS, 2 * SENSORS)}
 WALL_EDGES = (-np.inf, 0.01, 0.02, 0.04, 0.07, np.inf)

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.flips import CLIP, Map
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.flips import CLIP, Map
 
 INNER = (0.0668, 0.9332)
 """Quantiles of a normal variable at -1.5 and 1.5 standard deviations."""

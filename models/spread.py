@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy import stats
 
-from embedded_sim.model import FloatArray
-from models.shares import INNER
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.shares import INNER
 
 GROUPS = 20
 """Parts of the log left out in turn (jackknife)."""

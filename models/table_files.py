@@ -18,8 +18,8 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from embedded_sim import InputError
-from models.opened import opened, parsing
+from realitygap.embedded_sim import InputError
+from realitygap.models.opened import opened, parsing
 
 if TYPE_CHECKING:
     from _typeshed import WriteableBuffer

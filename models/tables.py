@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import SENSORS, InputError, Tables
-from models.opened import opened, parsing
+from realitygap.embedded_sim import SENSORS, InputError, Tables
+from realitygap.models.opened import opened, parsing
 
 ABOUT = {
     "ps_counts": "counts; sensor (ps0..ps7) x distance (m, ps_range * u^2, u uniform in [0, 1]) "

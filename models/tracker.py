@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import InputError
-from embedded_sim.model import FloatArray
-from models.frames import Rows, wrapped
+from realitygap.embedded_sim import InputError
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.frames import Rows, wrapped
 
 REACH = 3
 """Rows on each side whose median a pose is compared with: failures of up to three rows are seen."""

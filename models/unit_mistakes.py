@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from embedded_sim import Drive
+from realitygap.embedded_sim import Drive
 
 EPUCK_STEPS = 1000
 """Motor steps per revolution of an e-puck's wheel, whose speeds its firmware counts in steps/s."""

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from models.frames import Rows
-from models.log import MeasuredLog
+from realitygap.models.frames import Rows
+from realitygap.models.log import MeasuredLog
 
 REASONS = ("used", "contact", "no_pose", "gaps", "too_short", "not_needed")
 

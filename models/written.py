@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from models.causes import Parameter
-from models.extension import NamedCause, ParameterValue
-from models.identify.swarm import Named
-from models.identify.value import Value
+from realitygap.models.causes import Parameter
+from realitygap.models.extension import NamedCause, ParameterValue
+from realitygap.models.identify.swarm import Named
+from realitygap.models.identify.value import Value
 
 AT = 1e-6
 """Of a parameter's range, within which a value is at its bound: rounding."""

@@ -14,7 +14,7 @@ ffibuilder.cdef(
     HEADER.read_text(encoding="utf-8").split("/* binding begin */")[1].split("/* binding end */")[0]
 )
 ffibuilder.set_source(
-    "reality._optics",
+    "realitygap.reality._optics",
     '#include "optics.h"',
     sources=["reality/optics/optics.c"],
     include_dirs=["reality/optics"],

@@ -11,11 +11,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from embedded_sim import SENSORS, Tables
-from reality import constants as k
-from reality.engine import Engine
-from reality.hardware import FloatArray, Hardware
-from reality.senses import Infrared, Light
+from realitygap.embedded_sim import SENSORS, Tables
+from realitygap.reality import constants as k
+from realitygap.reality.engine import Engine
+from realitygap.reality.hardware import FloatArray, Hardware
+from realitygap.reality.senses import Infrared, Light
 
 PS_DISTANCES, PS_INCIDENCES = 48, 11
 """Nodes of the infrared table: range * u^2 against the cosine of the incidence, both uniform."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from reality import constants as k
-from reality.hardware import FloatArray
+from realitygap.reality import constants as k
+from realitygap.reality.hardware import FloatArray
 
 
 class Past:

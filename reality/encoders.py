@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from reality import constants as k
-from reality.engine import Engine
-from reality.hardware import FloatArray
+from realitygap.reality import constants as k
+from realitygap.reality.engine import Engine
+from realitygap.reality.hardware import FloatArray
 
 
 class Encoders:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from reality import constants as k
+from realitygap.reality import constants as k
 
 
 @contextmanager

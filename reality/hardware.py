@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import SENSOR_ANGLES, SENSORS
-from reality import constants as k
-from reality.laws import Laws
+from realitygap.embedded_sim import SENSOR_ANGLES, SENSORS
+from realitygap.reality import constants as k
+from realitygap.reality.laws import Laws
 
 FloatArray = npt.NDArray[np.float64]
 

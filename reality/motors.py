@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from reality import constants as k
-from reality.engine import Engine
-from reality.hardware import FloatArray, Hardware
+from realitygap.reality import constants as k
+from realitygap.reality.engine import Engine
+from realitygap.reality.hardware import FloatArray, Hardware
 
 SUBSTEPS = round(k.CONTROL_STEP / k.PHYSICS_STEP)
 """Physics steps per control step."""

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import SENSORS
-from reality import constants as k
-from reality._optics import ffi, lib
-from reality.engine import Engine
-from reality.hardware import LAMP_PLACES, FloatArray, Hardware
+from realitygap.embedded_sim import SENSORS
+from realitygap.reality import constants as k
+from realitygap.reality._optics import ffi, lib
+from realitygap.reality.engine import Engine
+from realitygap.reality.hardware import LAMP_PLACES, FloatArray, Hardware
 
 
 def optics() -> Any:

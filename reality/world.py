@@ -10,16 +10,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from embedded_sim.errors import Diverged, InputError
-from reality import constants as k
-from reality._optics import lib
-from reality.clock import Past
-from reality.effects.spec import Hidden
-from reality.encoders import Encoders
-from reality.engine import Engine
-from reality.hardware import FloatArray, Hardware
-from reality.motors import SUBSTEPS, Motors
-from reality.senses import Infrared, Light, Radio, Tracker, doubles
+from realitygap.embedded_sim.errors import Diverged, InputError
+from realitygap.reality import constants as k
+from realitygap.reality._optics import lib
+from realitygap.reality.clock import Past
+from realitygap.reality.effects.spec import Hidden
+from realitygap.reality.encoders import Encoders
+from realitygap.reality.engine import Engine
+from realitygap.reality.hardware import FloatArray, Hardware
+from realitygap.reality.motors import SUBSTEPS, Motors
+from realitygap.reality.senses import Infrared, Light, Radio, Tracker, doubles
 
 
 class World:

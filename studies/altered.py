@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from studies.experiment import RunConfig, simulate
-from studies.output import whole_directory
-from studies.provenance import write_json
-from studies.rooms import scratch
+from realitygap.studies.experiment import RunConfig, simulate
+from realitygap.studies.output import whole_directory
+from realitygap.studies.provenance import write_json
+from realitygap.studies.rooms import scratch
 
 Files = Mapping[str, bytes]
 NOTES = "run.json"

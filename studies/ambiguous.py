@@ -1,8 +1,8 @@
 """Ambiguous pairs: does the proposed manoeuvre settle what a log left open?
 
-`python -m studies.ambiguous --trials 6 --out out/ambiguous.csv`. A trial hides one of two rivals,
-records a log that cannot tell them apart, diagnoses it, lets the same robots perform what was
-proposed, and diagnoses both logs together. The diagnosis gets the logs and nothing else.
+`python -m realitygap.studies.ambiguous --trials 6 --out out/ambiguous.csv`. A trial hides one of
+two rivals, records a log that cannot tell them apart, diagnoses it, lets the same robots perform
+what was proposed, and diagnoses both logs together. The diagnosis gets the logs and nothing else.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ import numpy as np
 import pandas as pd
 import typer
 
-from embedded_sim.probes import PREFIX
-from models.diagnosis import as_json
-from models.schema import ENCODERS, LS, PS
-from studies.diagnosis_files import examine
-from studies.diagnosis_request import Request
-from studies.execution import processes
-from studies.experiment import RunConfig, simulate
-from studies.rooms import scratch
+from realitygap.embedded_sim.probes import PREFIX
+from realitygap.models.diagnosis import as_json
+from realitygap.models.schema import ENCODERS, LS, PS
+from realitygap.studies.diagnosis_files import examine
+from realitygap.studies.diagnosis_request import Request
+from realitygap.studies.execution import processes
+from realitygap.studies.experiment import RunConfig, simulate
+from realitygap.studies.rooms import scratch
 
 Hide = Callable[[np.random.Generator], str]
 

@@ -1,6 +1,6 @@
 """What the physics engine does that no robot does, and how much of it.
 
-The last table of `python -m studies.convergence`.
+The last table of `python -m realitygap.studies.convergence`.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from contextlib import contextmanager
 import numpy as np
 import numpy.typing as npt
 
-from reality import constants as k
-from reality._optics import lib
-from reality.engine import Engine
-from reality.senses import doubles
+from realitygap.reality import constants as k
+from realitygap.reality._optics import lib
+from realitygap.reality.engine import Engine
+from realitygap.reality.senses import doubles
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""Benchmarks: `python -m studies.bench [--minutes M] [--out FILE]`, or `make bench`.
+"""Benchmarks: `python -m realitygap.studies.bench [--minutes M] [--out FILE]`, or `make bench`.
 
 Ratios of things timed in one process, so that they hold on a slower or busier machine; absolute
 figures stand beside them. It is the processor's time that counts, on one core: what others do on
@@ -21,22 +21,22 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from embedded_sim import CONTROL_STEP, Behaviour, PointModel, evaluate, replay
-from embedded_sim.breeding import CoEvolution
-from embedded_sim.onboard import Swarm
-from embedded_sim.simulator import FORMS, Form, has_form
-from models import load_model, read_model_file
-from models.catalogue import every_cause
-from models.extension import Extension, NamedCause, ParameterValue
-from reality.engine import Engine
-from reality.senses import Infrared, Light, Tracker
-from reality.world import World
-from studies.convergence import search_commands
-from studies.experiment import RunConfig, simulate
-from studies.progress import Progress
-from studies.provenance import versions, write_json
-from studies.recorder import Recorder
-from studies.rooms import scratch
+from realitygap.embedded_sim import CONTROL_STEP, Behaviour, PointModel, evaluate, replay
+from realitygap.embedded_sim.breeding import CoEvolution
+from realitygap.embedded_sim.onboard import Swarm
+from realitygap.embedded_sim.simulator import FORMS, Form, has_form
+from realitygap.models import load_model, read_model_file
+from realitygap.models.catalogue import every_cause
+from realitygap.models.extension import Extension, NamedCause, ParameterValue
+from realitygap.reality.engine import Engine
+from realitygap.reality.senses import Infrared, Light, Tracker
+from realitygap.reality.world import World
+from realitygap.studies.convergence import search_commands
+from realitygap.studies.experiment import RunConfig, simulate
+from realitygap.studies.progress import Progress
+from realitygap.studies.provenance import versions, write_json
+from realitygap.studies.recorder import Recorder
+from realitygap.studies.rooms import scratch
 
 ROBOTS = 10
 PARTS: tuple[tuple[str, Any, str], ...] = (
@@ -159,7 +159,7 @@ def command(*words: str, repeats: int = 5) -> float:
         with scratch() as out:
             line = [word.replace("OUT", str(out)) for word in words]
             subprocess.run(
-                [sys.executable, "-c", "from studies.cli import main; main()", *line],
+                [sys.executable, "-c", "from realitygap.studies.cli import main; main()", *line],
                 check=True,
                 stdout=subprocess.DEVNULL,
             )

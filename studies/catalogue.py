@@ -1,6 +1,6 @@
 """The catalogue of effects: how each is hidden in reality, and what the diagnosis calls it.
 
-`python -m studies.catalogue docs/effects.md` writes the document.
+`python -m realitygap.studies.catalogue docs/effects.md` writes the document.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from embedded_sim.probes import PREFIX
-from models.catalogue import every_cause
-from reality.effects import Effect, Parameter, catalogue
-from studies.blind.menu import MENU
+from realitygap.embedded_sim.probes import PREFIX
+from realitygap.models.catalogue import every_cause
+from realitygap.reality.effects import Effect, Parameter, catalogue
+from realitygap.studies.blind.menu import MENU
 
 KINDS = {
     "motion": "Motion",
@@ -25,7 +25,7 @@ KINDS = {
 
 INTRODUCTION = """# The catalogue of effects
 
-<!-- Written by `python -m studies.catalogue docs/effects.md`; edit the code, not this file. -->
+<!-- Written by `python -m realitygap.studies.catalogue docs/effects.md`; edit the code alone. -->
 
 What can be hidden in the pybullet world with
 `realitygap run --effect NAME:key=value[,key=value...]` (repeatable), and what `realitygap diagnose`

@@ -9,7 +9,7 @@ def main() -> None:
     """Run the command line. An interrupt before it listens finds nothing to clean up."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    from studies.cli import main as run
+    from realitygap.studies.cli import main as run
 
     run()
 

@@ -1,9 +1,9 @@
 """Is the physics converged? The same commands at finer steps and more solver iterations.
 
-`python -m studies.convergence [OUT.md]` drives twelve robots, far apart and without walls, through
-the same 60 s of commands at twelve headings, then through five manoeuvres of a figure each, and
-compares every setting with the finest one. Last it measures what the engine does that no robot does
-(`studies.artefacts`).
+`python -m realitygap.studies.convergence [OUT.md]` drives twelve robots, far apart and without
+walls, through the same 60 s of commands at twelve headings, then through five manoeuvres of a
+figure each, and compares every setting with the finest one. Last it measures what the engine does
+that no robot does (`studies.artefacts`).
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from reality import constants as k
-from reality._optics import lib
-from reality.engine import Engine
-from reality.senses import doubles
-from studies.artefacts import artefacts
+from realitygap.reality import constants as k
+from realitygap.reality._optics import lib
+from realitygap.reality.engine import Engine
+from realitygap.reality.senses import doubles
+from realitygap.studies.artefacts import artefacts
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -9,11 +9,11 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from embedded_sim.model import FloatArray
-from models.causes import Motion
-from models.identify.examination import KINDS, Examination
-from models.identify.fit import Problem
-from models.identify.swarm import Named
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Motion
+from realitygap.models.identify.examination import KINDS, Examination
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.swarm import Named
 
 PROFILE_POINTS = 21
 DPI = 100

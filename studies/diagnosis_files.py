@@ -9,32 +9,32 @@ from typing import Any
 
 import pandas as pd
 
-from embedded_sim.errors import InputError, nearest
-from models.catalogue import every_cause
-from models.causes.withheld import without
-from models.diagnosis import Diagnosis, as_json, extension, file_hash
-from models.extended import NAME, extended_text, read_back
-from models.extension import Extension
-from models.identify.diagnose import diagnose
-from models.log import SAMPLES, MeasuredLog, make_log, read_table
-from models.modelfile import ModelFile, find_model_file, read_model_file
-from models.proposal.propose import with_proposal
-from models.reference import Reference, read_reference, shipped_reference
-from models.repertoire import manoeuvres
-from models.schema import BODY_COMMANDS, WHEEL_COMMANDS
-from models.senses.joined import WholeExamination, with_senses
-from models.senses.reference import (
+from realitygap.embedded_sim.errors import InputError, nearest
+from realitygap.models.catalogue import every_cause
+from realitygap.models.causes.withheld import without
+from realitygap.models.diagnosis import Diagnosis, as_json, extension, file_hash
+from realitygap.models.extended import NAME, extended_text, read_back
+from realitygap.models.extension import Extension
+from realitygap.models.identify.diagnose import diagnose
+from realitygap.models.log import SAMPLES, MeasuredLog, make_log, read_table
+from realitygap.models.modelfile import ModelFile, find_model_file, read_model_file
+from realitygap.models.proposal.propose import with_proposal
+from realitygap.models.reference import Reference, read_reference, shipped_reference
+from realitygap.models.repertoire import manoeuvres
+from realitygap.models.schema import BODY_COMMANDS, WHEEL_COMMANDS
+from realitygap.models.senses.joined import WholeExamination, with_senses
+from realitygap.models.senses.reference import (
     SenseReference,
     beside,
     read_sense_reference,
     shipped_sense_reference,
 )
-from models.tables import load_tables
-from studies.diagnosis_request import Request
-from studies.next_experiment import commands
-from studies.output import whole_directory
-from studies.progress import unseen
-from studies.provenance import file_read, log_read, model_read, versions, write_json
+from realitygap.models.tables import load_tables
+from realitygap.studies.diagnosis_request import Request
+from realitygap.studies.next_experiment import commands
+from realitygap.studies.output import whole_directory
+from realitygap.studies.progress import unseen
+from realitygap.studies.provenance import file_read, log_read, model_read, versions, write_json
 
 NO_REFERENCE = "none"
 
@@ -58,7 +58,7 @@ def diagnose_files(
         begin("writing the report")
         path, model, found = find_model_file(request.model), examined.model, examined.diagnosis
         named = extension(found, log_hash=_hash(request.logs), command=request.command)
-        from studies.diagnosis_report import write_report
+        from realitygap.studies.diagnosis_report import write_report
 
         content, following = _content(request, log, found)
         write_json(part / "diagnosis.json", content)

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from models.causes import causes
-from models.diagnosis import alternatives
-from models.identify.examination import Examination
-from models.senses.joined import WholeExamination
-from models.used import REASONS
-from studies import diagnosis_figures as figures
-from studies import sense_figures
-from studies.diagnosis_words import (
+from realitygap.models.causes import causes
+from realitygap.models.diagnosis import alternatives
+from realitygap.models.identify.examination import Examination
+from realitygap.models.senses.joined import WholeExamination
+from realitygap.models.used import REASONS
+from realitygap.studies import diagnosis_figures as figures
+from realitygap.studies import sense_figures
+from realitygap.studies.diagnosis_words import (
     detectable_sentence,
     gain_row,
     leftover_sentence,
@@ -24,9 +24,9 @@ from studies.diagnosis_words import (
     verdict_sentence,
     who,
 )
-from studies.next_experiment import next_section
-from studies.paper.page import Picture, Section, Table, write_page
-from studies.rooms import scratch
+from realitygap.studies.next_experiment import next_section
+from realitygap.studies.paper.page import Picture, Section, Table, write_page
+from realitygap.studies.rooms import scratch
 
 CHECKED = (
     "Every cause of the catalogue was tried on every robot whose path differs from health at a "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from studies.typed import option, typed
+from realitygap.studies.typed import option, typed
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from models.catalogue import every_cause
-from models.causes import causes
-from models.diagnosis import Detectable, Diagnosis, Gain, Unexplained, alternatives, robots_of
-from models.identify.detectable import CORE
-from models.identify.swarm import Named
-from models.identify.value import Value
+from realitygap.models.catalogue import every_cause
+from realitygap.models.causes import causes
+from realitygap.models.diagnosis import (
+    Detectable,
+    Diagnosis,
+    Gain,
+    Unexplained,
+    alternatives,
+    robots_of,
+)
+from realitygap.models.identify.detectable import CORE
+from realitygap.models.identify.swarm import Named
+from realitygap.models.identify.value import Value
 
 VERDICTS = {
     "nothing_wrong": "Nothing wrong: no robot differs from health by more than healthy robots do.",

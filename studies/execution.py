@@ -23,9 +23,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Generic, TypeAlias, TypeVar
 
-from embedded_sim.errors import InputError
-from studies.lifetime import end_with, shielded
-from studies.rooms import command_room
+from realitygap.embedded_sim.errors import InputError
+from realitygap.studies.lifetime import end_with, shielded
+from realitygap.studies.rooms import command_room
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")

@@ -16,23 +16,23 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from embedded_sim import CONTROL_STEP, SCENARIOS, Behaviour, PointModel
-from embedded_sim.breeding import Breeder, CoEvolution, Fixed
-from embedded_sim.genome import GENOMES, PAPER, Genome
-from embedded_sim.onboard import Swarm
-from embedded_sim.probes import PREFIX, probe
-from embedded_sim.reading import Bounding, reading
-from models import load_models
-from reality import constants as k
-from reality.effects import parse_effects
-from reality.hardware import lamp_power
-from reality.world import World
-from studies.manoeuvre import Manoeuvre
-from studies.provenance import model_read, versions, write_json
-from studies.recorder import Recorder, RunTables
+from realitygap.embedded_sim import CONTROL_STEP, SCENARIOS, Behaviour, PointModel
+from realitygap.embedded_sim.breeding import Breeder, CoEvolution, Fixed
+from realitygap.embedded_sim.genome import GENOMES, PAPER, Genome
+from realitygap.embedded_sim.onboard import Swarm
+from realitygap.embedded_sim.probes import PREFIX, probe
+from realitygap.embedded_sim.reading import Bounding, reading
+from realitygap.models import load_models
+from realitygap.reality import constants as k
+from realitygap.reality.effects import parse_effects
+from realitygap.reality.hardware import lamp_power
+from realitygap.reality.world import World
+from realitygap.studies.manoeuvre import Manoeuvre
+from realitygap.studies.provenance import model_read, versions, write_json
+from realitygap.studies.recorder import Recorder, RunTables
 
 if TYPE_CHECKING:
-    from reality.effects import Effect, Hidden
+    from realitygap.reality.effects import Effect, Hidden
 
 Case = Literal[
     "no-light",

@@ -10,12 +10,12 @@ import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.flips import Map
-from models.gap import LEVEL, Gap
-from models.horizons import COLUMNS
-from models.log import MeasuredLog
-from models.motion_gap import UNITS, MotionGap
-from studies.fitness_gap.by_third import CoevolutionGap
+from realitygap.models.flips import Map
+from realitygap.models.gap import LEVEL, Gap
+from realitygap.models.horizons import COLUMNS
+from realitygap.models.log import MeasuredLog
+from realitygap.models.motion_gap import UNITS, MotionGap
+from realitygap.studies.fitness_gap.by_third import CoevolutionGap
 
 DPI = 110
 MAPPED = "1 s"

@@ -7,17 +7,17 @@ from typing import Any
 
 import pandas as pd
 
-from models.flips import Map
-from models.gap import LEVEL, TOTAL_LEVEL, Gap
-from models.horizons import COLUMNS
-from models.log import MeasuredLog, write_table
-from models.motion_gap import UNITS
-from models.noise import pose_noise
-from models.shares import Share, explained
-from studies.fitness_gap.by_third import CoevolutionGap
-from studies.gap_figures import draw_coevolution, draw_figures
-from studies.gap_words import fitness_line, ranked_maps, summary
-from studies.provenance import Inputs, versions, write_json
+from realitygap.models.flips import Map
+from realitygap.models.gap import LEVEL, TOTAL_LEVEL, Gap
+from realitygap.models.horizons import COLUMNS
+from realitygap.models.log import MeasuredLog, write_table
+from realitygap.models.motion_gap import UNITS
+from realitygap.models.noise import pose_noise
+from realitygap.models.shares import Share, explained
+from realitygap.studies.fitness_gap.by_third import CoevolutionGap
+from realitygap.studies.gap_figures import draw_coevolution, draw_figures
+from realitygap.studies.gap_words import fitness_line, ranked_maps, summary
+from realitygap.studies.provenance import Inputs, versions, write_json
 
 SCHEMA = 1
 MOST_CONDITIONS = 3

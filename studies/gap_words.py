@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.flips import Map
-from models.gap import LEVEL, TOTAL_LEVEL, Gap
-from models.log import MeasuredLog
-from models.shares import Share, explained, telling
-from studies.fitness_gap.by_third import CoevolutionGap
+from realitygap.models.flips import Map
+from realitygap.models.gap import LEVEL, TOTAL_LEVEL, Gap
+from realitygap.models.log import MeasuredLog
+from realitygap.models.shares import Share, explained, telling
+from realitygap.studies.fitness_gap.by_third import CoevolutionGap
 
 MOST = 10
 """Lines."""

@@ -1,7 +1,7 @@
 """How scores are distributed in healthy logs, against the normal tails that they are named by.
 
     realitygap run --controller search --minutes 2 --seed 9011 --out out/healthy/h9011   # and so on
-    python -m studies.healthy_scores out/healthy/* --out docs/healthy-scores.png
+    python -m realitygap.studies.healthy_scores out/healthy/* --out docs/healthy-scores.png
 
 A diagnosis tells how many standard deviations from health the strongest term of a robot lies. Were
 that a normal variable, 2.7 of 1000 would lie beyond three. The figure shows what
@@ -20,14 +20,14 @@ import typer
 from matplotlib.figure import Figure
 from scipy import stats
 
-from embedded_sim.model import FloatArray
-from models.identify.fit import Problem
-from models.identify.measure import strength
-from models.identify.screen import glance
-from models.identify.tracks import cut_tracks
-from models.modelfile import ModelFile, read_model_file
-from models.reference import Reference, shipped_reference
-from studies.diagnosis_files import read_logs
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.measure import strength
+from realitygap.models.identify.screen import glance
+from realitygap.models.identify.tracks import cut_tracks
+from realitygap.models.modelfile import ModelFile, read_model_file
+from realitygap.models.reference import Reference, shipped_reference
+from realitygap.studies.diagnosis_files import read_logs
 
 DPI = 100
 TAILS = (2.0, 3.0, 4.0, 4.5)

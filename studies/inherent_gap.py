@@ -3,7 +3,7 @@
 Healthy runs of the nominal world on many seeds, each judged as any measured log is; every figure is
 a mean over seeds with its standard error. Run it with
 
-    python -m studies.inherent_gap --seeds 24 --minutes 2 --out out/inherent-gap
+    python -m realitygap.studies.inherent_gap --seeds 24 --minutes 2 --out out/inherent-gap
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from embedded_sim import Drive
-from embedded_sim.model import FloatArray
-from models.conditions import clear, conditions
-from models.frames import Windows, motion
-from models.log import MeasuredLog, read_log
-from models.modelfile import ModelFile, load_model, read_model_file
-from models.motion_gap import UNITS, motion_gap
-from models.noise import pose_noise
-from models.replay import replay_log
-from models.sensor_gap import sensor_gap
-from studies.experiment import RunConfig, simulate
-from studies.output import whole_directory
-from studies.rooms import scratch
+from realitygap.embedded_sim import Drive
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.conditions import clear, conditions
+from realitygap.models.frames import Windows, motion
+from realitygap.models.log import MeasuredLog, read_log
+from realitygap.models.modelfile import ModelFile, load_model, read_model_file
+from realitygap.models.motion_gap import UNITS, motion_gap
+from realitygap.models.noise import pose_noise
+from realitygap.models.replay import replay_log
+from realitygap.models.sensor_gap import sensor_gap
+from realitygap.studies.experiment import RunConfig, simulate
+from realitygap.studies.output import whole_directory
+from realitygap.studies.rooms import scratch
 
 CONTROLLERS = ("search", "coevolution", "positive-phototaxis")
 """Taken in turn over the seeds, so that no one behaviour makes the figures."""

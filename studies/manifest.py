@@ -17,11 +17,11 @@ from typing import Any, Generic, Literal, TypeAlias, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from embedded_sim.errors import InputError
-from studies.execution import Finished, Workers, completed
-from studies.output import SUFFIX, whole_directory
-from studies.provenance import as_json_bytes, file_sha256, versions
-from studies.rooms import clear_stale
+from realitygap.embedded_sim.errors import InputError
+from realitygap.studies.execution import Finished, Workers, completed
+from realitygap.studies.output import SUFFIX, whole_directory
+from realitygap.studies.provenance import as_json_bytes, file_sha256, versions
+from realitygap.studies.rooms import clear_stale
 
 MANIFEST = "manifest.json"
 SHOWN = 40

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from embedded_sim import PointModel
-from embedded_sim.model import FloatArray
-from embedded_sim.onboard import Flags, Generation
-from embedded_sim.pilot import Pilot
-from embedded_sim.probes import probe
+from realitygap.embedded_sim import PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.embedded_sim.onboard import Flags, Generation
+from realitygap.embedded_sim.pilot import Pilot
+from realitygap.embedded_sim.probes import probe
 
 
 class Manoeuvre:

@@ -9,12 +9,12 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from embedded_sim.probes import PREFIX
-from models.log import MeasuredLog
-from models.proposal.menu import ENOUGH, SECONDS, Proposal
-from studies.diagnosis_request import Request
-from studies.paper.page import Picture, Section, Table
-from studies.typed import typed
+from realitygap.embedded_sim.probes import PREFIX
+from realitygap.models.log import MeasuredLog
+from realitygap.models.proposal.menu import ENOUGH, SECONDS, Proposal
+from realitygap.studies.diagnosis_request import Request
+from realitygap.studies.paper.page import Picture, Section, Table
+from realitygap.studies.typed import typed
 
 MENU = (
     "How far apart the rivals' predictions are in every manoeuvre of the menu, in standard "

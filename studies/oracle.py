@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from models.catalogue import every_cause
-from models.extension import Extension, NamedCause, ParameterValue
-from models.modelfile import find_model_file, read_model_file
-from reality.effects import Hidden
-from studies.diagnosis_files import write_extended
-from studies.shares import as_told, given
+from realitygap.models.catalogue import every_cause
+from realitygap.models.extension import Extension, NamedCause, ParameterValue
+from realitygap.models.modelfile import find_model_file, read_model_file
+from realitygap.reality.effects import Hidden
+from realitygap.studies.diagnosis_files import write_extended
+from realitygap.studies.shares import as_told, given
 
 
 def oracle(hidden: Iterable[Hidden]) -> Extension:

@@ -15,10 +15,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from embedded_sim.errors import InputError
-from studies.lifetime import shielded
-from studies.renames import exchange, place
-from studies.rooms import Room, Taken, clear_stale, take
+from realitygap.embedded_sim.errors import InputError
+from realitygap.studies.lifetime import shielded
+from realitygap.studies.renames import exchange, place
+from realitygap.studies.rooms import Room, Taken, clear_stale, take
 
 OUTPUTS = ("run.json", "gap.json", "diagnosis.json", "gain.json", "study.json", "blind.json")
 """A directory that `--force` may replace holds one of these, or nothing."""

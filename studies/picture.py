@@ -15,9 +15,9 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.patches import Circle
 
-from reality import constants as k
-from reality.hardware import LAMP_PLACES
-from studies.experiment import HALVES, Case
+from realitygap.reality import constants as k
+from realitygap.reality.hardware import LAMP_PLACES
+from realitygap.studies.experiment import HALVES, Case
 
 THIRDS = ("light opposite nest", "no light", "light at nest")
 """What each third of S0 says of the world (paper, Fig. 5)."""

@@ -18,7 +18,7 @@ from rich.progress import (
 )
 from rich.progress import Progress as Bar
 
-from embedded_sim.errors import shown
+from realitygap.embedded_sim.errors import shown
 
 LINE_SECONDS = 15.0
 """s between plain lines where there is no terminal; our choice."""

@@ -11,10 +11,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from embedded_sim.errors import InputError
+from realitygap.embedded_sim.errors import InputError
 
 if TYPE_CHECKING:
-    from models.modelfile import ModelFile
+    from realitygap.models.modelfile import ModelFile
 
 Inputs: TypeAlias = Sequence[dict[str, str]]
 """Of `file_read`: every file that somebody gave and a result is a function of."""
@@ -74,7 +74,7 @@ def file_read(option: str, path: Path, name: str | None = None) -> dict[str, str
 
 def log_read(option: str, log: Path) -> dict[str, str]:
     """The entry of a measured log, given as a file or as a run's directory."""
-    from models.log import SAMPLES
+    from realitygap.models.log import SAMPLES
 
     return file_read(option, log / SAMPLES if log.is_dir() else log)
 
@@ -85,7 +85,7 @@ def model_read(source: str | None, option: str = "--model") -> list[dict[str, st
     Raises:
         InputError: as `models.modelfile.read_model_file`.
     """
-    from models.modelfile import DEFAULT, find_model_file, read_model_file
+    from realitygap.models.modelfile import DEFAULT, find_model_file, read_model_file
 
     path = find_model_file(source)
     file: ModelFile = read_model_file(path)

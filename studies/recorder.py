@@ -12,14 +12,14 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from embedded_sim import CONTROL_STEP, SENSORS
-from embedded_sim.breeding import third
-from embedded_sim.genome import Genome
-from embedded_sim.onboard import Generation
+from realitygap.embedded_sim import CONTROL_STEP, SENSORS
+from realitygap.embedded_sim.breeding import third
+from realitygap.embedded_sim.genome import Genome
+from realitygap.embedded_sim.onboard import Generation
 
 if TYPE_CHECKING:
-    from embedded_sim.model import FloatArray
-    from reality.world import World
+    from realitygap.embedded_sim.model import FloatArray
+    from realitygap.reality.world import World
 
 CHUNK = 1500
 """Control steps per Parquet row group: one minute, a few MB for ten robots."""

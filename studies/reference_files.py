@@ -8,26 +8,26 @@ from pathlib import Path
 
 import numpy as np
 
-from embedded_sim.errors import InputError
-from embedded_sim.model import FloatArray
-from embedded_sim.probes import MENU, PREFIX
-from models.identify.healthy import Healthy, fit_inherent, fit_terms, make_reference
-from models.identify.tracks import Tracks, cut_tracks
-from models.log import read_log
-from models.modelfile import load_common, read_model_file
-from models.reference import Reference, read_reference, write_reference
-from models.senses.reference import (
+from realitygap.embedded_sim.errors import InputError
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.embedded_sim.probes import MENU, PREFIX
+from realitygap.models.identify.healthy import Healthy, fit_inherent, fit_terms, make_reference
+from realitygap.models.identify.tracks import Tracks, cut_tracks
+from realitygap.models.log import read_log
+from realitygap.models.modelfile import load_common, read_model_file
+from realitygap.models.reference import Reference, read_reference, write_reference
+from realitygap.models.senses.reference import (
     SenseReference,
     beside,
     read_sense_reference,
     write_sense_reference,
 )
-from studies.execution import Workers, processes
-from studies.output import readable, whole_file
-from studies.provenance import log_read, model_read
-from studies.rooms import scratch
-from studies.sense_reference_files import sense_reference_of
-from studies.typed import typed
+from realitygap.studies.execution import Workers, processes
+from realitygap.studies.output import readable, whole_file
+from realitygap.studies.provenance import log_read, model_read
+from realitygap.studies.rooms import scratch
+from realitygap.studies.sense_reference_files import sense_reference_of
+from realitygap.studies.typed import typed
 
 MINUTES = 2.0
 """Simulated, of a recorded run: what a diagnosis is usually made of."""
@@ -132,7 +132,7 @@ def _measured(
 
 def _record(task: tuple[int, tuple[str, str], int, Path]) -> Path:
     """Record one healthy run of the nominal world."""
-    from studies.experiment import RunConfig, simulate
+    from realitygap.studies.experiment import RunConfig, simulate
 
     number, (controller, case), seed, room = task
     out = room / f"run{number}"
@@ -159,8 +159,8 @@ def _inherent(task: tuple[Path, str | None]) -> FloatArray:
 
 
 def _terms(task: tuple[Path, str | None, FloatArray]) -> Healthy:
-    from models.causes import Motion
-    from models.identify.inherent import INHERENT
+    from realitygap.models.causes import Motion
+    from realitygap.models.identify.inherent import INHERENT
 
     path, model, inherent = task
     believed = Motion(drive=read_model_file(model).motion().drive)

@@ -9,8 +9,8 @@ from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from embedded_sim.errors import InputError
-from studies.output import SUFFIX, claimed
+from realitygap.embedded_sim.errors import InputError
+from realitygap.studies.output import SUFFIX, claimed
 
 Shape = TypeVar("Shape")
 

@@ -26,7 +26,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
 from typing import Literal, TextIO
 
-from studies.lifetime import shielded
+from realitygap.studies.lifetime import shielded
 
 LOCK = "realitygap.lock"
 """Name of the lock in a room; it marks a directory as one."""

@@ -1,4 +1,4 @@
-"""How a run's cost grows: `python -m studies.scaling`; docs/scaling.png and docs/scaling.csv.
+"""How a run's cost grows: `python -m realitygap.studies.scaling`; docs/scaling.png and its CSV.
 
 Processor time, so that a busy machine matters little; every run in a process of its own, so that
 its peak of memory is its own.
@@ -17,10 +17,10 @@ import numpy as np
 import pandas as pd
 import typer
 
-from studies.execution import tie_to_parent
-from studies.experiment import RunConfig, simulate
-from studies.progress import Progress
-from studies.rooms import scratch
+from realitygap.studies.execution import tie_to_parent
+from realitygap.studies.experiment import RunConfig, simulate
+from realitygap.studies.progress import Progress
+from realitygap.studies.rooms import scratch
 
 ROBOTS = (1, 2, 5, 10, 20, 35, 50, 75, 100)
 """More than a hundred find no room in the arena: 200 e-pucks are two thirds of its floor."""

@@ -9,9 +9,9 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from models.reference import UNKNOWN
-from models.senses.diagnose import SenseExamination
-from models.senses.structure import KINDS
+from realitygap.models.reference import UNKNOWN
+from realitygap.models.senses.diagnose import SenseExamination
+from realitygap.models.senses.structure import KINDS
 
 DPI = 100
 

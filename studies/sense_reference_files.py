@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from models.log import read_log
-from models.modelfile import ModelFile, find_model_file, load_model, read_model_file
-from models.senses.cause import Belief
-from models.senses.health import Healthy, healthy_log, inherent_of, make_sense_reference
-from models.senses.reference import INHERENT, SenseReference, with_inherent
-from models.senses.sight import Sight, look
-from models.sensor_gap import sensors_to_judge
+from realitygap.models.log import read_log
+from realitygap.models.modelfile import ModelFile, find_model_file, load_model, read_model_file
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.health import Healthy, healthy_log, inherent_of, make_sense_reference
+from realitygap.models.senses.reference import INHERENT, SenseReference, with_inherent
+from realitygap.models.senses.sight import Sight, look
+from realitygap.models.sensor_gap import sensors_to_judge
 
 
 def sense_reference_of(

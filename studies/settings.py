@@ -7,10 +7,10 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from embedded_sim.errors import InputError, nearest
-from embedded_sim.probes import MENU, PREFIX
-from embedded_sim.reading import reading as reading_by_name
-from studies.experiment import Case, Controller, GenomeName, RunConfig
+from realitygap.embedded_sim.errors import InputError, nearest
+from realitygap.embedded_sim.probes import MENU, PREFIX
+from realitygap.embedded_sim.reading import reading as reading_by_name
+from realitygap.studies.experiment import Case, Controller, GenomeName, RunConfig
 
 Config = TypeVar("Config", bound=BaseModel)
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from models.catalogue import every_cause
-from reality import constants as k
-from reality.effects.effect import Value
+from realitygap.models.catalogue import every_cause
+from realitygap.reality import constants as k
+from realitygap.reality.effects.effect import Value
 
 HEALTHY_ACCELERATION = k.MOTOR_TORQUE / (k.WHEEL_INERTIA + 0.5 * k.MASS * k.WHEEL_RADIUS**2)
 """rad/s^2 of the wheels of a robot that starts straight on: the torque over a wheel's own inertia

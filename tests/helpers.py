@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-COMMAND = [sys.executable, "-c", "from studies.cli import main; main()"]
+COMMAND = [sys.executable, "-c", "from realitygap.studies.cli import main; main()"]
 """`realitygap`, with this interpreter."""
 ENVIRONMENT = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "COLUMNS": "200"}
 

@@ -10,8 +10,8 @@ import importlib
 import pkgutil
 from functools import cache
 
-from models.causes.cause import ALL, Cause, Parameter
-from models.causes.motion import Motion
+from realitygap.models.causes.cause import ALL, Cause, Parameter
+from realitygap.models.causes.motion import Motion
 
 __all__ = ["ALL", "Cause", "Motion", "Parameter", "causes"]
 

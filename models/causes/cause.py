@@ -9,8 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes.motion import Motion
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.motion import Motion
 
 Link = Literal["add", "factor"]
 ALL = ""

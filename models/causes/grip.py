@@ -11,9 +11,9 @@ import math
 
 import numpy as np
 
-from embedded_sim.model import FloatArray, Pair
-from models.causes.cause import Parameter
-from models.causes.motion import Motion
+from realitygap.embedded_sim.model import FloatArray, Pair
+from realitygap.models.causes.cause import Parameter
+from realitygap.models.causes.motion import Motion
 
 LEAST = 0.003
 """Share of a healthy acceleration, least believed: such a robot needs seconds to reach a speed."""

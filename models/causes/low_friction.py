@@ -11,10 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes.cause import Cause, Parameter
-from models.causes.grip import HEALTHY, LEAST, limits, told_against
-from models.causes.motion import Motion
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.cause import Cause, Parameter
+from realitygap.models.causes.grip import HEALTHY, LEAST, limits, told_against
+from realitygap.models.causes.motion import Motion
 
 STARTS = (-0.6, -1.4)
 """Coordinates to start from: a half and a quarter of what healthy wheels' grip gives."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from embedded_sim import Drive
+from realitygap.embedded_sim import Drive
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

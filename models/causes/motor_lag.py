@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes.cause import Cause, Parameter
-from models.causes.motion import Motion
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.cause import Cause, Parameter
+from realitygap.models.causes.motion import Motion
 
 RUSH, RUSHED = 0.226, 4.2
 """Largest logarithm of what a lag seems to add to the motors' acceleration, and the rad/s that the

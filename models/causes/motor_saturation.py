@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes.cause import Cause, Parameter, sides
-from models.causes.motion import Motion
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.cause import Cause, Parameter, sides
+from realitygap.models.causes.motion import Motion
 
 STARTS = (0.97, 0.85, 0.6)
 """Shares of the fastest command to start from."""

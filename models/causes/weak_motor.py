@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes.cause import Cause, Parameter
-from models.causes.grip import HEALTHY, LEAST, limits, told_against
-from models.causes.motion import Motion
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.cause import Cause, Parameter
+from realitygap.models.causes.grip import HEALTHY, LEAST, limits, told_against
+from realitygap.models.causes.motion import Motion
 
 STARTS = (-0.4, -1.5)
 """Coordinates to start from: two thirds and a fifth of the torque."""

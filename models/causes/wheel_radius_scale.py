@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from embedded_sim.model import FloatArray
-from models.causes.cause import Cause, Parameter
-from models.causes.motion import Motion
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.cause import Cause, Parameter
+from realitygap.models.causes.motion import Motion
 
 
 def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:

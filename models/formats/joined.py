@@ -13,9 +13,9 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from embedded_sim import InputError
-from embedded_sim.model import FloatArray
-from models.frames import wrapped
+from realitygap.embedded_sim import InputError
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.frames import wrapped
 
 BRIDGE = 2.5
 """Usual distances between poses that are bridged by interpolation: one lost pose. Our choice."""

@@ -26,14 +26,14 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from embedded_sim import InputError
-from embedded_sim.errors import nearest
-from models.files import Table, checked
-from models.formats.joined import join, latest, series
-from models.log import read_table
-from models.opened import parsing, toml_values
-from models.schema import BODY_COMMANDS, POSE, UNITS, WHEEL_COMMANDS
-from models.unit_mistakes import EPUCK_STEPS
+from realitygap.embedded_sim import InputError
+from realitygap.embedded_sim.errors import nearest
+from realitygap.models.files import Table, checked
+from realitygap.models.formats.joined import join, latest, series
+from realitygap.models.log import read_table
+from realitygap.models.opened import parsing, toml_values
+from realitygap.models.schema import BODY_COMMANDS, POSE, UNITS, WHEEL_COMMANDS
+from realitygap.models.unit_mistakes import EPUCK_STEPS
 
 SCALES: dict[str, dict[str, float]] = {
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},

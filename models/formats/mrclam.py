@@ -15,10 +15,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from embedded_sim import InputError
-from embedded_sim.model import FloatArray
-from models.formats.joined import join, latest
-from models.formats.numbers import read_numbers
+from realitygap.embedded_sim import InputError
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.formats.joined import join, latest
+from realitygap.models.formats.numbers import read_numbers
 
 COMMANDS, POSES = "Robot{}_Odometry.dat", "Robot{}_Groundtruth.dat"
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import InputError
-from models.opened import opened, parsing
+from realitygap.embedded_sim import InputError
+from realitygap.models.opened import opened, parsing
 
 MOST_BYTES = 2**28
 """Of a file. Our choice: a robot's poses at 100 Hz for half a day."""

@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from embedded_sim import Drive, InputError
-from models.formats.numbers import numbers, read_numbers, read_plain
+from realitygap.embedded_sim import Drive, InputError
+from realitygap.models.formats.numbers import numbers, read_numbers, read_plain
 
 CYCLE = 0.05
 """s, the robot's control cycle (20 Hz)."""

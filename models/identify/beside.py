@@ -12,14 +12,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.diagnosis import Unexplained
-from models.identify.consistency import leave_one, solved
-from models.identify.residual import weights
-from models.identify.select import BESIDE
-from models.identify.structure import QUANTITIES, Follow, columns
-from models.identify.swarm import Identified, Named
-from models.identify.tracks import Tracks
-from models.reference import Reference
+from realitygap.models.diagnosis import Unexplained
+from realitygap.models.identify.consistency import leave_one, solved
+from realitygap.models.identify.residual import weights
+from realitygap.models.identify.select import BESIDE
+from realitygap.models.identify.structure import QUANTITIES, Follow, columns
+from realitygap.models.identify.swarm import Identified, Named
+from realitygap.models.identify.tracks import Tracks
+from realitygap.models.reference import Reference
 
 KEPT = 0.5
 """Of a cause's strength that must be left. Our choice."""

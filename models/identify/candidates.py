@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes import Cause, causes
-from models.causes.withheld import withheld
-from models.identify.fit import Problem
-from models.identify.hypothesis import Term, Terms
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Cause, causes
+from realitygap.models.causes.withheld import withheld
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Term, Terms
 
 REPRESENTATIVES = ("clock_offset", "weak_motor")
 """Of causes that move poses exactly alike, the one whose parameter may have either sign."""

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import log_ndtr
 
-from embedded_sim.model import FloatArray
-from models.identify.consistency import Misfit
-from models.identify.fit import Problem
-from models.identify.hypothesis import Fit, Term
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.consistency import Misfit
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Fit, Term
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim.model import FloatArray
-from models.identify.fit import Problem
-from models.identify.hypothesis import Fit, Term
-from models.identify.residual import weights
-from models.identify.tracks import Tracks
-from models.information import inverted
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Fit, Term
+from realitygap.models.identify.residual import weights
+from realitygap.models.identify.tracks import Tracks
+from realitygap.models.information import inverted
 
 Mask = npt.NDArray[np.bool_]
 

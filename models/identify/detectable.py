@@ -18,15 +18,15 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtr, stdtrit
 
-from embedded_sim.model import FloatArray
-from models.causes import Cause, Motion, causes
-from models.causes.withheld import withheld
-from models.identify.fit import Problem
-from models.identify.hypothesis import Term
-from models.identify.measure import strength
-from models.identify.screen import Glance, Look, looks
-from models.identify.tracks import Tracks
-from models.reference import Reference
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Cause, Motion, causes
+from realitygap.models.causes.withheld import withheld
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.measure import strength
+from realitygap.models.identify.screen import Glance, Look, looks
+from realitygap.models.identify.tracks import Tracks
+from realitygap.models.reference import Reference
 
 SURELY = 1.645
 """Standard deviations beyond a gate at which 95 % of normal values pass it."""

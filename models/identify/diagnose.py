@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from models.causes import causes
-from models.causes.motor_dead_zone import least_seen
-from models.claims import claimed
-from models.conditions import conditions
-from models.diagnosis import Diagnosis
-from models.identify.beside import standing
-from models.identify.examination import Examination
-from models.identify.leftover import leftover
-from models.identify.structure import follows
-from models.identify.swarm import identify
-from models.identify.tracks import Tracks, cut_tracks
-from models.identify.unmeasured import unmeasured
-from models.log import MeasuredLog
-from models.modelfile import ModelFile
-from models.reference import Reference, no_reference
+from realitygap.models.causes import causes
+from realitygap.models.causes.motor_dead_zone import least_seen
+from realitygap.models.claims import claimed
+from realitygap.models.conditions import conditions
+from realitygap.models.diagnosis import Diagnosis
+from realitygap.models.identify.beside import standing
+from realitygap.models.identify.examination import Examination
+from realitygap.models.identify.leftover import leftover
+from realitygap.models.identify.structure import follows
+from realitygap.models.identify.swarm import identify
+from realitygap.models.identify.tracks import Tracks, cut_tracks
+from realitygap.models.identify.unmeasured import unmeasured
+from realitygap.models.log import MeasuredLog
+from realitygap.models.modelfile import ModelFile
+from realitygap.models.reference import Reference, no_reference
 
 FEW_SECONDS = 30.0
 """s of free motion with which a robot can be judged at all; our choice, a quarter of what the

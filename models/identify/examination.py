@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 
 import pandas as pd
 
-from models.diagnosis import Diagnosis
-from models.identify.structure import Follow
-from models.identify.swarm import Identified
-from models.identify.tracks import Tracks
-from models.modelfile import ModelFile
-from models.reference import Reference
+from realitygap.models.diagnosis import Diagnosis
+from realitygap.models.identify.structure import Follow
+from realitygap.models.identify.swarm import Identified
+from realitygap.models.identify.tracks import Tracks
+from realitygap.models.modelfile import ModelFile
+from realitygap.models.reference import Reference
 
 KINDS = ("model as it was", "of a healthy robot", "extended model")
 

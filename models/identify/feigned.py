@@ -15,17 +15,17 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes import Cause
-from models.identify.candidates import candidates
-from models.identify.choice import Choice, Evidence, Mimic
-from models.identify.fit import Problem
-from models.identify.hypothesis import Fit, Term
-from models.identify.measure import distance
-from models.identify.residual import weights
-from models.identify.twins import Twins
-from models.information import inverted
-from models.reference import Reference
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Cause
+from realitygap.models.identify.candidates import candidates
+from realitygap.models.identify.choice import Choice, Evidence, Mimic
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Fit, Term
+from realitygap.models.identify.measure import distance
+from realitygap.models.identify.residual import weights
+from realitygap.models.identify.twins import Twins
+from realitygap.models.information import inverted
+from realitygap.models.reference import Reference
 
 
 def feigned(of: Twins, by: Sequence[Twins]) -> float:

@@ -13,14 +13,14 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import Diverged
-from embedded_sim.model import FloatArray
-from models.causes import Motion
-from models.identify.hypothesis import Fit, Terms
-from models.identify.predict import poses
-from models.identify.residual import Fitter, deviance, weights
-from models.identify.tracks import Rows, Tracks
-from models.information import inverted
+from realitygap.embedded_sim import Diverged
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Motion
+from realitygap.models.identify.hypothesis import Fit, Terms
+from realitygap.models.identify.predict import poses
+from realitygap.models.identify.residual import Fitter, deviance, weights
+from realitygap.models.identify.tracks import Rows, Tracks
+from realitygap.models.information import inverted
 
 ITERATIONS = 15
 CONVERGED = 3e-2

@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim import Diverged
-from embedded_sim.model import FloatArray
-from models.causes import Motion
-from models.identify.fit import Problem
-from models.identify.hypothesis import Fit, Term, Terms
-from models.identify.value import Value, bracket, told, values
+from realitygap.embedded_sim import Diverged
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Motion
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Fit, Term, Terms
+from realitygap.models.identify.value import Value, bracket, told, values
 
 Robots = tuple[int, ...]
 Key = tuple[Term, Robots]

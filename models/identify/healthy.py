@@ -8,17 +8,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim import Drive
-from embedded_sim.model import FloatArray
-from models.causes import ALL, Motion
-from models.identify.candidates import candidates, own_starts
-from models.identify.fit import Problem
-from models.identify.hypothesis import Fit, Term
-from models.identify.inherent import INHERENT
-from models.identify.measure import distance, jump, strength, uncertainty
-from models.identify.structure import follows, pool
-from models.identify.tracks import Tracks
-from models.reference import Reference, Spread, Structure
+from realitygap.embedded_sim import Drive
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import ALL, Motion
+from realitygap.models.identify.candidates import candidates, own_starts
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Fit, Term
+from realitygap.models.identify.inherent import INHERENT
+from realitygap.models.identify.measure import distance, jump, strength, uncertainty
+from realitygap.models.identify.structure import follows, pool
+from realitygap.models.identify.tracks import Tracks
+from realitygap.models.reference import Reference, Spread, Structure
 
 STARTS = ((0.0, 0.0, -0.005, 0.009, -0.2, 0.0), (0.0, 0.0, 0.02, 0.05, -0.5, 0.0))
 """Coordinates from which the inherent motion is fitted: motors of several kinds."""

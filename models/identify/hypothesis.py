@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from embedded_sim.model import FloatArray
-from models.causes import Cause
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Cause
 
 
 class Term(NamedTuple):

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from embedded_sim.model import FloatArray
-from models.causes import ALL, Cause, Motion, Parameter
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import ALL, Cause, Motion, Parameter
 
 ACCELERATION = 200.0
 """rad/s^2 to start from: what 4 m/s^2 is on 20 mm wheels."""

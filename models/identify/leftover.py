@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.diagnosis import Unexplained
-from models.identify.choice import Evidence, Replaced
-from models.identify.consistency import PARTS, Misfit
-from models.identify.fit import Problem
-from models.identify.structure import CHANNELS, QUANTITIES, Follow, pool
-from models.identify.swarm import Identified
-from models.identify.tracks import Tracks
-from models.identify.wild import Wild, wild
-from models.reference import UNKNOWN, Reference
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.diagnosis import Unexplained
+from realitygap.models.identify.choice import Evidence, Replaced
+from realitygap.models.identify.consistency import PARTS, Misfit
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.structure import CHANNELS, QUANTITIES, Follow, pool
+from realitygap.models.identify.swarm import Identified
+from realitygap.models.identify.tracks import Tracks
+from realitygap.models.identify.wild import Wild, wild
+from realitygap.models.reference import UNKNOWN, Reference
 
 MENDED = 0.05
 """Of the named causes' gain that a leftover must exceed: no model of a cause is exact."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.identify.fit import Problem
-from models.identify.hypothesis import Fit, Term
-from models.identify.residual import weights
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Fit, Term
+from realitygap.models.identify.residual import weights
 
 
 def strength(term: Term, coordinates: FloatArray, commands: FloatArray) -> FloatArray:

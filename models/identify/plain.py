@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.identify.choice import Replaced
-from models.identify.consistency import solved
-from models.identify.fit import Problem
-from models.identify.hypothesis import Fit
-from models.identify.residual import weights
-from models.identify.structure import columns
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.choice import Replaced
+from realitygap.models.identify.consistency import solved
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Fit
+from realitygap.models.identify.residual import weights
+from realitygap.models.identify.structure import columns
 
 PRICE = 4.0
 """Deviance that each flexible term must take off: twice what one without a meaning does."""

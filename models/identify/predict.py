@@ -7,10 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from embedded_sim import Drive, replay
-from embedded_sim.model import FloatArray
-from models.causes import Motion
-from models.identify.tracks import AROUND, Rows, Tracks
+from realitygap.embedded_sim import Drive, replay
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Motion
+from realitygap.models.identify.tracks import AROUND, Rows, Tracks
 
 REGULAR = 1e-6
 """Relative deviation from an even rate that written times may have."""

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.frames import wrapped
-from models.identify.tracks import Tracks
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.frames import wrapped
+from realitygap.models.identify.tracks import Tracks
 
 
 class Aligned(NamedTuple):

@@ -11,13 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim import Diverged
-from embedded_sim.model import FloatArray
-from models.causes import Motion
-from models.identify.candidates import candidates, own_starts
-from models.identify.fit import Problem
-from models.identify.hypothesis import Term
-from models.identify.residual import weights
+from realitygap.embedded_sim import Diverged
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Motion
+from realitygap.models.identify.candidates import candidates, own_starts
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.residual import weights
 
 
 class Glance(NamedTuple):

@@ -12,16 +12,16 @@ from functools import reduce
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.identify.choice import Choice, Evidence, Mimic, Replaced
-from models.identify.consistency import Misfit, misfit
-from models.identify.fit import Problem
-from models.identify.hypothesis import Fit, Term, Terms
-from models.identify.measure import distance, jump
-from models.identify.plain import replaced
-from models.identify.separable import inseparable
-from models.identify.trials import Trials
-from models.reference import Reference
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.choice import Choice, Evidence, Mimic, Replaced
+from realitygap.models.identify.consistency import Misfit, misfit
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Fit, Term, Terms
+from realitygap.models.identify.measure import distance, jump
+from realitygap.models.identify.plain import replaced
+from realitygap.models.identify.separable import inseparable
+from realitygap.models.identify.trials import Trials
+from realitygap.models.reference import Reference
 
 MOST_TERMS = 4
 """Terms tried in one robot; more are not told apart in two minutes."""

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from embedded_sim import Diverged
-from embedded_sim.model import FloatArray
-from models.identify.candidates import candidates
-from models.identify.consistency import leave_one
-from models.identify.fit import Problem
-from models.identify.hypothesis import Fit, Term
-from models.identify.residual import weights
+from realitygap.embedded_sim import Diverged
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.candidates import candidates
+from realitygap.models.identify.consistency import leave_one
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Fit, Term
+from realitygap.models.identify.residual import weights
 
 INFLATION = 20.0
 """Factor on a term's variance at which the other may stand in its place: a correlation of 0.975.

@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes import Motion
-from models.identify.fit import Problem
-from models.identify.predict import poses, wheel_angles
-from models.identify.residual import weights
-from models.identify.tracks import TURNED, Tracks
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Motion
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.predict import poses, wheel_angles
+from realitygap.models.identify.residual import weights
+from realitygap.models.identify.tracks import TURNED, Tracks
 
 CHANNELS = {
     "speed": "it drives faster or slower",

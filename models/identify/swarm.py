@@ -8,20 +8,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim.model import FloatArray
-from models.causes import Motion
-from models.identify.choice import Choice, Evidence, Mimic
-from models.identify.feigned import believable, feigned
-from models.identify.fit import Problem
-from models.identify.fitted import Fitted, Key, Told
-from models.identify.hypothesis import Term
-from models.identify.measure import strength
-from models.identify.screen import Glance, glance
-from models.identify.select import FAMILY, choose
-from models.identify.tracks import Tracks
-from models.identify.twins import tell_apart
-from models.identify.value import Value, told
-from models.reference import Reference
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Motion
+from realitygap.models.identify.choice import Choice, Evidence, Mimic
+from realitygap.models.identify.feigned import believable, feigned
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.fitted import Fitted, Key, Told
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.measure import strength
+from realitygap.models.identify.screen import Glance, glance
+from realitygap.models.identify.select import FAMILY, choose
+from realitygap.models.identify.tracks import Tracks
+from realitygap.models.identify.twins import tell_apart
+from realitygap.models.identify.value import Value, told
+from realitygap.models.reference import Reference
 
 LEAST_SWARM = 3
 """Robots that make a swarm: of two, neither says which one differs."""

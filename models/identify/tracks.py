@@ -14,16 +14,16 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from embedded_sim import InputError
-from embedded_sim.model import FloatArray
-from models.conditions import clear, conditions
-from models.held_out import parts
-from models.log import MeasuredLog
-from models.modelfile import ModelFile
-from models.noise import PoseNoise, pose_noise
-from models.replay import replay_log
-from models.schema import ENCODERS
-from models.used import Used, used
+from realitygap.embedded_sim import InputError
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.conditions import clear, conditions
+from realitygap.models.held_out import parts
+from realitygap.models.log import MeasuredLog
+from realitygap.models.modelfile import ModelFile
+from realitygap.models.noise import PoseNoise, pose_noise
+from realitygap.models.replay import replay_log
+from realitygap.models.schema import ENCODERS
+from realitygap.models.used import Used, used
 
 WINDOW = 1.0
 """s. Our choice: long enough to see 0.1 % of a speed through half a millimetre of noise, short

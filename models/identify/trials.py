@@ -10,13 +10,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from embedded_sim import Diverged
-from embedded_sim.model import FloatArray
-from models.identify.candidates import starts
-from models.identify.fit import Problem
-from models.identify.hypothesis import Fit, Term
-from models.identify.screen import glance
-from models.identify.value import bracket
+from realitygap.embedded_sim import Diverged
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.candidates import starts
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Fit, Term
+from realitygap.models.identify.screen import glance
+from realitygap.models.identify.value import bracket
 
 PROMISING = 0.5
 """Of the least gain that one linear step must promise for a term to be fitted."""

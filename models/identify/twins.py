@@ -11,14 +11,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes import ALL, Motion, causes
-from models.causes.withheld import withheld
-from models.identify.fit import Problem
-from models.identify.hypothesis import Fit, Term
-from models.identify.predict import wheel_angles
-from models.identify.residual import DEGREES
-from models.identify.tracks import AROUND, Tracks
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import ALL, Motion, causes
+from realitygap.models.causes.withheld import withheld
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Fit, Term
+from realitygap.models.identify.predict import wheel_angles
+from realitygap.models.identify.residual import DEGREES
+from realitygap.models.identify.tracks import AROUND, Tracks
 
 LEAST = 6.0
 """Deviance by which one twin must explain the encoders better than the other: odds of 20 to 1."""

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from models.causes import Cause, Motion
-from models.identify.candidates import candidates, own_starts
-from models.identify.structure import CHANNELS, QUANTITIES, Follow
-from models.identify.tracks import Tracks
-from models.reference import Reference
+from realitygap.models.causes import Cause, Motion
+from realitygap.models.identify.candidates import candidates, own_starts
+from realitygap.models.identify.structure import CHANNELS, QUANTITIES, Follow
+from realitygap.models.identify.tracks import Tracks
+from realitygap.models.reference import Reference
 
 MEASURE = "`realitygap reference LOG... --out FILE` of sound robots' logs"
 """The command that measures it."""

@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes import Parameter
-from models.identify.fit import Problem
-from models.identify.hypothesis import Term, Terms
-from models.identify.measure import strength, uncertainty
-from models.identify.residual import deviance
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Parameter
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Term, Terms
+from realitygap.models.identify.measure import strength, uncertainty
+from realitygap.models.identify.residual import deviance
 
 NOMINAL = 1.96
 """Standard deviations of a normal variable on each side of 95 %."""

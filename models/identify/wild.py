@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from models.identify.consistency import LEAST_BLOCKS, parts
-from models.identify.fit import Problem
+from realitygap.models.identify.consistency import LEAST_BLOCKS, parts
+from realitygap.models.identify.fit import Problem
 
 FAR = 6.0
 """Robust standard deviations of a robot's errors beyond which a row is wild."""

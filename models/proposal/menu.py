@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import CONTROL_STEP, InputError, PointModel
-from embedded_sim.model import FloatArray
-from embedded_sim.pilot import fly
-from embedded_sim.probes import MENU, Probe
-from models.conditions import NEAR_ROBOT, NEAR_WALL
-from models.information import inverted
+from realitygap.embedded_sim import CONTROL_STEP, InputError, PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.embedded_sim.pilot import fly
+from realitygap.embedded_sim.probes import MENU, Probe
+from realitygap.models.conditions import NEAR_ROBOT, NEAR_WALL
+from realitygap.models.information import inverted
 
 SECONDS = 120.0
 """s of a proposed run: as long as the logs that the diagnosis is made for."""

@@ -7,20 +7,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from embedded_sim import CONTROL_STEP, Diverged
-from embedded_sim.model import FloatArray
-from models.causes import Motion, causes
-from models.causes.withheld import withheld
-from models.identify.candidates import own_starts
-from models.identify.examination import Examination
-from models.identify.fit import Problem
-from models.identify.hypothesis import Fit, Term, Terms
-from models.identify.predict import poses, wheel_angles
-from models.identify.swarm import Named
-from models.identify.tracks import LEAST_ROWS, WINDOW, Tracks
-from models.identify.twins import TICK
-from models.proposal.menu import Flight, Proposal, distance, flights, ranked
-from models.schema import ENCODERS
+from realitygap.embedded_sim import CONTROL_STEP, Diverged
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Motion, causes
+from realitygap.models.causes.withheld import withheld
+from realitygap.models.identify.candidates import own_starts
+from realitygap.models.identify.examination import Examination
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Fit, Term, Terms
+from realitygap.models.identify.predict import poses, wheel_angles
+from realitygap.models.identify.swarm import Named
+from realitygap.models.identify.tracks import LEAST_ROWS, WINDOW, Tracks
+from realitygap.models.identify.twins import TICK
+from realitygap.models.proposal.menu import Flight, Proposal, distance, flights, ranked
+from realitygap.models.schema import ENCODERS
 
 ENCODER_NOISE = TICK / CONTROL_STEP / np.sqrt(6.0)
 """rad/s; a speed is the difference of two rounded angles."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from embedded_sim import PointModel, Tables
-from models.diagnosis import alternatives
-from models.identify.swarm import Named
-from models.proposal import motion, senses
-from models.proposal.menu import Proposal
-from models.senses.cause import SenseCause
-from models.senses.joined import WholeExamination
+from realitygap.embedded_sim import PointModel, Tables
+from realitygap.models.diagnosis import alternatives
+from realitygap.models.identify.swarm import Named
+from realitygap.models.proposal import motion, senses
+from realitygap.models.proposal.menu import Proposal
+from realitygap.models.senses.cause import SenseCause
+from realitygap.models.senses.joined import WholeExamination
 
 
 def with_proposal(examined: WholeExamination, tables: Tables | None) -> WholeExamination:

@@ -6,18 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from embedded_sim import CONTROL_STEP, SCENARIOS, SENSORS, PointModel
-from models.identify.swarm import Named
-from models.proposal.menu import Flight, Proposal, distance, flights, ranked
-from models.senses import nest
-from models.senses.cause import SenseCause
-from models.senses.diagnose import SenseExamination
-from models.senses.direct import SQUARE
-from models.senses.glance import NO_COMMANDS
-from models.senses.neighbours import FAR, Neighbours
-from models.senses.predicted import predict
-from models.senses.problem import SWARM, Fit, Problem, Term
-from models.senses.sight import BLOCK_SECONDS, Sight, lamp_in_sight
+from realitygap.embedded_sim import CONTROL_STEP, SCENARIOS, SENSORS, PointModel
+from realitygap.models.identify.swarm import Named
+from realitygap.models.proposal.menu import Flight, Proposal, distance, flights, ranked
+from realitygap.models.senses import nest
+from realitygap.models.senses.cause import SenseCause
+from realitygap.models.senses.diagnose import SenseExamination
+from realitygap.models.senses.direct import SQUARE
+from realitygap.models.senses.glance import NO_COMMANDS
+from realitygap.models.senses.neighbours import FAR, Neighbours
+from realitygap.models.senses.predicted import predict
+from realitygap.models.senses.problem import SWARM, Fit, Problem, Term
+from realitygap.models.senses.sight import BLOCK_SECONDS, Sight, lamp_in_sight
 
 STRIDE = 5
 """Control steps from one row looked at to the next."""

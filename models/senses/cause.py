@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from embedded_sim import PointModel
-from embedded_sim.model import FloatArray
-from embedded_sim.senses import Senses
-from models.causes.cause import ALL, Cause, Change
-from models.causes.motion import Motion
-from models.schema import LS, PS
+from realitygap.embedded_sim import PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.embedded_sim.senses import Senses
+from realitygap.models.causes.cause import ALL, Cause, Change
+from realitygap.models.causes.motion import Motion
+from realitygap.models.schema import LS, PS
 
 SENSORS_OR_ALL = ("all", *(str(k) for k in range(len(PS))))
 """Words of a cause that concerns one sensor or all eight."""

@@ -15,26 +15,26 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import SENSORS, PointModel, Tables
-from embedded_sim.model import FloatArray
-from models.blocks import Better, better, interval
-from models.claims import bounded
-from models.diagnosis import Gain, Unexplained
-from models.extended import as_written
-from models.frames import Rows
-from models.harm import harmless, robots_of
-from models.held_out import PARTS
-from models.identify.fitted import Values
-from models.identify.swarm import Named
-from models.modelfile import ModelFile
-from models.prediction import judged_readings
-from models.senses.cause import Belief
-from models.senses.diagnose import SenseExamination
-from models.senses.nest import Answers
-from models.senses.predicted import noise, predict
-from models.senses.problem import Problem
-from models.senses.sight import Sight
-from models.written import written
+from realitygap.embedded_sim import SENSORS, PointModel, Tables
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.blocks import Better, better, interval
+from realitygap.models.claims import bounded
+from realitygap.models.diagnosis import Gain, Unexplained
+from realitygap.models.extended import as_written
+from realitygap.models.frames import Rows
+from realitygap.models.harm import harmless, robots_of
+from realitygap.models.held_out import PARTS
+from realitygap.models.identify.fitted import Values
+from realitygap.models.identify.swarm import Named
+from realitygap.models.modelfile import ModelFile
+from realitygap.models.prediction import judged_readings
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.diagnose import SenseExamination
+from realitygap.models.senses.nest import Answers
+from realitygap.models.senses.predicted import noise, predict
+from realitygap.models.senses.problem import Problem
+from realitygap.models.senses.sight import Sight
+from realitygap.models.written import written
 
 READINGS = {"infrared_reading": "ps", "light_reading": "ls"}
 """Of `gain` in `diagnosis.json`, the kind of sensor that each is of."""

@@ -12,19 +12,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes import Motion, causes
-from models.causes.withheld import withheld
-from models.diagnosis import Unexplained
-from models.identify.hypothesis import Term
-from models.identify.swarm import Named
-from models.identify.value import told
-from models.information import inverted
-from models.senses.predicted import predict
-from models.senses.problem import DEGREES, STRETCH, Problem
-from models.senses.reference import Level
-from models.senses.sight import Rows, Sight
-from models.sensing import HALF
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Motion, causes
+from realitygap.models.causes.withheld import withheld
+from realitygap.models.diagnosis import Unexplained
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.swarm import Named
+from realitygap.models.identify.value import told
+from realitygap.models.information import inverted
+from realitygap.models.senses.predicted import predict
+from realitygap.models.senses.problem import DEGREES, STRETCH, Problem
+from realitygap.models.senses.reference import Level
+from realitygap.models.senses.sight import Rows, Sight
+from realitygap.models.sensing import HALF
 
 TWINS = ("clock_offset", "command_latency")
 STEP = 0.004

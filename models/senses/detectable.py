@@ -11,15 +11,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes.withheld import withheld
-from models.diagnosis import Detectable
-from models.identify.detectable import SURELY, rare
-from models.senses.causes import sense_causes
-from models.senses.glance import FITTED, NO_COMMANDS, Promise
-from models.senses.problem import SWARM, Fit, Term
-from models.senses.reference import SenseReference
-from models.senses.sight import Sight
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.withheld import withheld
+from realitygap.models.diagnosis import Detectable
+from realitygap.models.identify.detectable import SURELY, rare
+from realitygap.models.senses.causes import sense_causes
+from realitygap.models.senses.glance import FITTED, NO_COMMANDS, Promise
+from realitygap.models.senses.problem import SWARM, Fit, Term
+from realitygap.models.senses.reference import SenseReference
+from realitygap.models.senses.sight import Sight
 
 
 def detectable_in(

@@ -7,33 +7,33 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from embedded_sim import SENSORS, PointModel
-from embedded_sim.model import FloatArray
-from models.causes import Motion
-from models.diagnosis import Detectable, Unexplained
-from models.held_out import parts
-from models.identify.fitted import Values
-from models.identify.swarm import Named
-from models.log import MeasuredLog
-from models.schema import LS, PS
-from models.senses import nest
-from models.senses.cause import Belief
-from models.senses.causes import sense_causes
-from models.senses.detectable import detectable_in
-from models.senses.direct import Scale, dead_infrared, dead_light, noise_scale, of_robots
-from models.senses.lack_of_fit import Noisy, judge
-from models.senses.leap import far_leap
-from models.senses.naming import dead_named, fitted_named, nest_named, noise_named
-from models.senses.predicted import predict
-from models.senses.problem import SWARM, Fit, Problem, Term
-from models.senses.reference import SenseReference, no_sense_reference
-from models.senses.refit import noise_values, of_fit, of_nest, of_noise
-from models.senses.select import Found, choose
-from models.senses.sight import Bools, Rows, Sight, look
-from models.senses.structure import Follow
-from models.senses.unmeasured import unmeasured_causes, unmeasured_structure
-from models.senses.unnamed import named_or_not
-from models.sensing import scenarios
+from realitygap.embedded_sim import SENSORS, PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Motion
+from realitygap.models.diagnosis import Detectable, Unexplained
+from realitygap.models.held_out import parts
+from realitygap.models.identify.fitted import Values
+from realitygap.models.identify.swarm import Named
+from realitygap.models.log import MeasuredLog
+from realitygap.models.schema import LS, PS
+from realitygap.models.senses import nest
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.causes import sense_causes
+from realitygap.models.senses.detectable import detectable_in
+from realitygap.models.senses.direct import Scale, dead_infrared, dead_light, noise_scale, of_robots
+from realitygap.models.senses.lack_of_fit import Noisy, judge
+from realitygap.models.senses.leap import far_leap
+from realitygap.models.senses.naming import dead_named, fitted_named, nest_named, noise_named
+from realitygap.models.senses.predicted import predict
+from realitygap.models.senses.problem import SWARM, Fit, Problem, Term
+from realitygap.models.senses.reference import SenseReference, no_sense_reference
+from realitygap.models.senses.refit import noise_values, of_fit, of_nest, of_noise
+from realitygap.models.senses.select import Found, choose
+from realitygap.models.senses.sight import Bools, Rows, Sight, look
+from realitygap.models.senses.structure import Follow
+from realitygap.models.senses.unmeasured import unmeasured_causes, unmeasured_structure
+from realitygap.models.senses.unnamed import named_or_not
+from realitygap.models.sensing import scenarios
 
 LEAST_SWARM = 3
 NOISY = 0.8

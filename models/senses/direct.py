@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim import SENSORS, PointModel
-from embedded_sim.model import FloatArray
-from models.senses.sight import Bools, Sight
+from realitygap.embedded_sim import SENSORS, PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.senses.sight import Bools, Sight
 
 DEAD_SHARE = 0.005
 """Largest share of readings other than zero of a dead infrared sensor."""

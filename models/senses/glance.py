@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes.withheld import withheld
-from models.information import inverted
-from models.senses.causes import sense_causes
-from models.senses.problem import (
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.withheld import withheld
+from realitygap.models.information import inverted
+from realitygap.models.senses.causes import sense_causes
+from realitygap.models.senses.problem import (
     STRETCH,
     SWARM,
     Column,

@@ -8,19 +8,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim import PointModel
-from embedded_sim.model import FloatArray
-from models.senses.cause import Belief
-from models.senses.causes import sense_causes
-from models.senses.clock import shifts
-from models.senses.direct import noise_scale, of_robots
-from models.senses.glance import promises
-from models.senses.predicted import predict
-from models.senses.problem import SWARM, Problem, Term
-from models.senses.reference import INHERENT, Health, Level, SenseReference, away
-from models.senses.sight import Sight
-from models.senses.structure import Structure
-from models.senses.structure_health import Sizes, of_healthy
+from realitygap.embedded_sim import PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.causes import sense_causes
+from realitygap.models.senses.clock import shifts
+from realitygap.models.senses.direct import noise_scale, of_robots
+from realitygap.models.senses.glance import promises
+from realitygap.models.senses.predicted import predict
+from realitygap.models.senses.problem import SWARM, Problem, Term
+from realitygap.models.senses.reference import INHERENT, Health, Level, SenseReference, away
+from realitygap.models.senses.sight import Sight
+from realitygap.models.senses.structure import Structure
+from realitygap.models.senses.structure_health import Sizes, of_healthy
 
 NORMAL = 1.4826
 LEAST_ERROR = 1e-9

@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 
-from embedded_sim import PointModel, Tables
-from models.causes import Motion
-from models.claims import claimed
-from models.diagnosis import Unexplained
-from models.identify.examination import Examination
-from models.identify.swarm import Named
-from models.log import MeasuredLog
-from models.schema import LS, PS
-from models.senses.cause import Belief
-from models.senses.claims import sense_claims
-from models.senses.clock import TWINS, shifts, swapped, told_apart
-from models.senses.diagnose import SenseExamination, diagnose_senses
-from models.senses.problem import Problem
-from models.senses.reference import SenseReference, no_sense_reference
-from models.senses.sight import look
+from realitygap.embedded_sim import PointModel, Tables
+from realitygap.models.causes import Motion
+from realitygap.models.claims import claimed
+from realitygap.models.diagnosis import Unexplained
+from realitygap.models.identify.examination import Examination
+from realitygap.models.identify.swarm import Named
+from realitygap.models.log import MeasuredLog
+from realitygap.models.schema import LS, PS
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.claims import sense_claims
+from realitygap.models.senses.clock import TWINS, shifts, swapped, told_apart
+from realitygap.models.senses.diagnose import SenseExamination, diagnose_senses
+from realitygap.models.senses.problem import Problem
+from realitygap.models.senses.reference import SenseReference, no_sense_reference
+from realitygap.models.senses.sight import look
 
 MARKERS = ("tracker_yaw_offset", "tracker_offset", "clock_offset")
 """Causes in motion that put the measured pose beside the true one."""

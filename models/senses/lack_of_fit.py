@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from models.diagnosis import Unexplained
-from models.senses.leftover import SHOWS, Left, leftovers
-from models.senses.problem import SWARM, Fit, Problem, Term
-from models.senses.reference import SenseReference
-from models.senses.select import Chosen, Found
-from models.senses.structure import KINDS, Follow, Structure
+from realitygap.models.diagnosis import Unexplained
+from realitygap.models.senses.leftover import SHOWS, Left, leftovers
+from realitygap.models.senses.problem import SWARM, Fit, Problem, Term
+from realitygap.models.senses.reference import SenseReference
+from realitygap.models.senses.select import Chosen, Found
+from realitygap.models.senses.structure import KINDS, Follow, Structure
 
 MENDED = 0.04
 """Of the named causes' gain that a leftover must exceed: no model of a cause is exact."""

@@ -12,13 +12,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize
 
-from embedded_sim import SENSORS
-from embedded_sim.model import FloatArray
-from models.causes.withheld import withheld
-from models.senses.cause import Belief
-from models.senses.causes import sense_causes
-from models.senses.predicted import predict
-from models.senses.problem import DEGREES, Problem, Term
+from realitygap.embedded_sim import SENSORS
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.withheld import withheld
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.causes import sense_causes
+from realitygap.models.senses.predicted import predict
+from realitygap.models.senses.problem import DEGREES, Problem, Term
 
 MOMENTS = 2000
 """Rows whose light chooses among leaps; all of them judge the chosen one."""

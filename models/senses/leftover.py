@@ -7,14 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from models.diagnosis import Unexplained
-from models.identify.structure import pool
-from models.reference import UNKNOWN
-from models.senses.problem import SWARM, Problem, Term
-from models.senses.quantities import QUANTITIES
-from models.senses.reference import SenseReference
-from models.senses.sight import Bools
-from models.senses.structure import KINDS, Follow, Structure
+from realitygap.models.diagnosis import Unexplained
+from realitygap.models.identify.structure import pool
+from realitygap.models.reference import UNKNOWN
+from realitygap.models.senses.problem import SWARM, Problem, Term
+from realitygap.models.senses.quantities import QUANTITIES
+from realitygap.models.senses.reference import SenseReference
+from realitygap.models.senses.sight import Bools
+from realitygap.models.senses.structure import KINDS, Follow, Structure
 
 LEAST_SWARM = 3
 LEAST_GAIN = 30.0

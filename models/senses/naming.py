@@ -7,19 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes.cause import ALL
-from models.identify import hypothesis as motion
-from models.identify.choice import Evidence
-from models.identify.swarm import Named
-from models.identify.value import Value, told
-from models.senses.cause import SenseCause
-from models.senses.causes import sense_causes
-from models.senses.nest import NestFound
-from models.senses.problem import SWARM
-from models.senses.reference import SenseReference
-from models.senses.select import Found
-from models.senses.sight import Bools
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.cause import ALL
+from realitygap.models.identify import hypothesis as motion
+from realitygap.models.identify.choice import Evidence
+from realitygap.models.identify.swarm import Named
+from realitygap.models.identify.value import Value, told
+from realitygap.models.senses.cause import SenseCause
+from realitygap.models.senses.causes import sense_causes
+from realitygap.models.senses.nest import NestFound
+from realitygap.models.senses.problem import SWARM
+from realitygap.models.senses.reference import SenseReference
+from realitygap.models.senses.select import Found
+from realitygap.models.senses.sight import Bools
 
 NOMINAL = 1.96
 """Standard deviations of a normal variable on each side of 95 %."""

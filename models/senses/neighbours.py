@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import PointModel
-from embedded_sim.model import FloatArray
-from models.log import MeasuredLog
+from realitygap.embedded_sim import PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.log import MeasuredLog
 
 Bools = npt.NDArray[np.bool_]
 Rows = npt.NDArray[np.int64]

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import minimize
 
-from embedded_sim.model import FloatArray
-from models.log import MeasuredLog
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.log import MeasuredLog
 
 WIDTHS = (0.03, 0.008, 0.002, 0.0007)
 """m over which an answer changes from no to yes, from a first wide look to the last: at most what

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import ndtr
 
-from embedded_sim import SENSORS, PointModel, readings
-from embedded_sim.model import FloatArray
-from models.senses.cause import Belief
-from models.senses.sight import Rows, Sight
+from realitygap.embedded_sim import SENSORS, PointModel, readings
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.sight import Rows, Sight
 
 UNIFORM = 3.0**-0.5
 """Standard deviation of a uniform variable relative to its half width."""

@@ -14,13 +14,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import SENSORS, PointModel
-from embedded_sim.model import FloatArray
-from models.causes.cause import ALL
-from models.information import inverted
-from models.senses.cause import Belief, SenseCause
-from models.senses.predicted import noise, predict
-from models.senses.sight import NEAREST_LAMP, Bools, Sight, too_near
+from realitygap.embedded_sim import SENSORS, PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.cause import ALL
+from realitygap.models.information import inverted
+from realitygap.models.senses.cause import Belief, SenseCause
+from realitygap.models.senses.predicted import noise, predict
+from realitygap.models.senses.sight import NEAREST_LAMP, Bools, Sight, too_near
 
 FOLDS = 5
 DEGREES = 4.0

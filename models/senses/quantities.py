@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from embedded_sim import SENSORS, PointModel
-from embedded_sim.model import FloatArray
-from models.senses.sight import Sight
+from realitygap.embedded_sim import SENSORS, PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.senses.sight import Sight
 
 QUANTITIES = {
     "always": "everywhere and all the time",

@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 from pydantic import Field, model_validator
 
-from embedded_sim.errors import nearest, quoted
-from embedded_sim.model import FloatArray
-from models.files import Finite, Refused, read_json, write_json
-from models.reference import UNKNOWN, Spread, Structure, check_sizes, find_shipped
-from models.senses.cause import Belief
-from models.senses.causes import sense_causes
+from realitygap.embedded_sim.errors import nearest, quoted
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.files import Finite, Refused, read_json, write_json
+from realitygap.models.reference import UNKNOWN, Spread, Structure, check_sizes, find_shipped
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.causes import sense_causes
 
 DIRECTORY = Path(__file__).parents[1] / "references" / "senses"
 SCHEMA = 1

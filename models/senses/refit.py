@@ -8,18 +8,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.held_out import PARTS
-from models.identify.fitted import Key
-from models.identify.value import Value
-from models.senses import nest
-from models.senses.direct import noise_scale
-from models.senses.naming import fitted_named, nest_named, noise_named
-from models.senses.nest import Answers, NestFound
-from models.senses.problem import Fit, Problem, Term
-from models.senses.reference import SenseReference
-from models.senses.select import Found
-from models.senses.sight import Rows, Sight
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.held_out import PARTS
+from realitygap.models.identify.fitted import Key
+from realitygap.models.identify.value import Value
+from realitygap.models.senses import nest
+from realitygap.models.senses.direct import noise_scale
+from realitygap.models.senses.naming import fitted_named, nest_named, noise_named
+from realitygap.models.senses.nest import Answers, NestFound
+from realitygap.models.senses.problem import Fit, Problem, Term
+from realitygap.models.senses.reference import SenseReference
+from realitygap.models.senses.select import Found
+from realitygap.models.senses.sight import Rows, Sight
 
 Part = dict[Key, tuple[Value, ...]]
 

@@ -13,13 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.senses.glance import Promise, promises
-from models.senses.leap import Leap
-from models.senses.leftover import Left, leftovers
-from models.senses.problem import SWARM, Fit, Problem, Term
-from models.senses.reference import SenseReference, away
-from models.senses.structure import Structure
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.senses.glance import Promise, promises
+from realitygap.models.senses.leap import Leap
+from realitygap.models.senses.leftover import Left, leftovers
+from realitygap.models.senses.problem import SWARM, Fit, Problem, Term
+from realitygap.models.senses.reference import SenseReference, away
+from realitygap.models.senses.structure import Structure
 
 MOST_TERMS = 8
 MOST_LEAPS = 6

@@ -13,15 +13,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import SENSORS, PointModel
-from embedded_sim.model import FloatArray
-from models.believed import replay_believed
-from models.causes import Motion
-from models.held_out import parts
-from models.log import MeasuredLog
-from models.noise import PoseNoise, pose_noise
-from models.senses.neighbours import Neighbours, around
-from models.sensing import averaged_poses, measured, scenarios
+from realitygap.embedded_sim import SENSORS, PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.believed import replay_believed
+from realitygap.models.causes import Motion
+from realitygap.models.held_out import parts
+from realitygap.models.log import MeasuredLog
+from realitygap.models.noise import PoseNoise, pose_noise
+from realitygap.models.senses.neighbours import Neighbours, around
+from realitygap.models.sensing import averaged_poses, measured, scenarios
 
 Bools = npt.NDArray[np.bool_]
 Rows = npt.NDArray[np.int64]

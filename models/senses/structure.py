@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from embedded_sim import SENSORS
-from embedded_sim.model import FloatArray
-from models.information import inverted
-from models.senses.predicted import predict
-from models.senses.problem import DEGREES, STRETCH, Fit, Problem
-from models.senses.quantities import Key, of_readings, of_rows
+from realitygap.embedded_sim import SENSORS
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.information import inverted
+from realitygap.models.senses.predicted import predict
+from realitygap.models.senses.problem import DEGREES, STRETCH, Fit, Problem
+from realitygap.models.senses.quantities import Key, of_readings, of_rows
 
 KINDS = {"infrared": slice(0, SENSORS), "light": slice(SENSORS, 2 * SENSORS)}
 """Channels, and their columns."""

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.identify.structure import pool
-from models.reference import Structure
-from models.senses.reference import gate_of
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.structure import pool
+from realitygap.models.reference import Structure
+from realitygap.models.senses.reference import gate_of
 
 LEAST_LOGS = 3
 """Healthy logs that a term must show in."""

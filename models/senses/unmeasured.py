@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from embedded_sim import PointModel
-from models.causes.withheld import withheld
-from models.identify.unmeasured import MEASURE, not_judged, not_named
-from models.log import MeasuredLog
-from models.senses.causes import sense_causes
-from models.senses.glance import FITTED
-from models.senses.problem import Term
-from models.senses.quantities import QUANTITIES
-from models.senses.reference import SenseReference
-from models.senses.structure import CHANGES, Follow
+from realitygap.embedded_sim import PointModel
+from realitygap.models.causes.withheld import withheld
+from realitygap.models.identify.unmeasured import MEASURE, not_judged, not_named
+from realitygap.models.log import MeasuredLog
+from realitygap.models.senses.causes import sense_causes
+from realitygap.models.senses.glance import FITTED
+from realitygap.models.senses.problem import Term
+from realitygap.models.senses.quantities import QUANTITIES
+from realitygap.models.senses.reference import SenseReference
+from realitygap.models.senses.structure import CHANGES, Follow
 
 
 def unmeasured_causes(

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from models.causes.withheld import withheld
-from models.diagnosis import Unexplained
-from models.identify.swarm import Named
+from realitygap.models.causes.withheld import withheld
+from realitygap.models.diagnosis import Unexplained
+from realitygap.models.identify.swarm import Named
 
 SEEN = {
     "ir_dead_sensor": ("infrared", "sensor", "infrared sensor {} reads zero whatever is before it"),

@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
-from reality.effects.effect import Effect, Parameter
-from reality.effects.spec import Hidden, parse
+from realitygap.reality.effects.effect import Effect, Parameter
+from realitygap.reality.effects.spec import Hidden, parse
 
 __all__ = ["Effect", "Hidden", "Parameter", "catalogue", "parse_effects"]
 

@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import SENSORS
-from reality.hardware import FloatArray, Hardware
+from realitygap.embedded_sim import SENSORS
+from realitygap.reality.hardware import FloatArray, Hardware
 
 Value = float | str
 Robots = npt.NDArray[np.intp]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from reality.effects.effect import (
+from realitygap.reality.effects.effect import (
     SENSOR_OR_ALL,
     Effect,
     Robots,
@@ -14,7 +14,7 @@ from reality.effects.effect import (
     scale,
     sensors,
 )
-from reality.hardware import Hardware
+from realitygap.reality.hardware import Hardware
 
 
 def _apply(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from reality import constants as k
-from reality.effects.effect import Effect, Parameter, Robots, Value, number
-from reality.hardware import Hardware
+from realitygap.reality import constants as k
+from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.hardware import Hardware
 
 
 def _apply(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:

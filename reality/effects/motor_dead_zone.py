@@ -4,8 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from reality.effects.effect import WHEEL, Effect, Parameter, Robots, Value, number, put, wheels
-from reality.hardware import Hardware
+from realitygap.reality.effects.effect import (
+    WHEEL,
+    Effect,
+    Parameter,
+    Robots,
+    Value,
+    number,
+    put,
+    wheels,
+)
+from realitygap.reality.hardware import Hardware
 
 
 def _apply(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:

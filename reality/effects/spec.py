@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from embedded_sim.errors import InputError, nearest
-from reality.effects.effect import Effect, Parameter, Robots, Value
-from reality.hardware import Hardware
+from realitygap.embedded_sim.errors import InputError, nearest
+from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value
+from realitygap.reality.hardware import Hardware
 
 
 @dataclass(frozen=True)

@@ -6,17 +6,17 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from studies.blind.directory import BlindDirectory
-from studies.blind.examiner import ask
-from studies.blind.record import Diagnosed, Task, run_trial
-from studies.blind.report import write_report
-from studies.blind.summary import summarise
-from studies.blind.trials import BlindConfig, plan
-from studies.execution import Unfinished, Workers
-from studies.manifest import made
-from studies.output import whole_file
-from studies.progress import Progress
-from studies.provenance import write_json
+from realitygap.studies.blind.directory import BlindDirectory
+from realitygap.studies.blind.examiner import ask
+from realitygap.studies.blind.record import Diagnosed, Task, run_trial
+from realitygap.studies.blind.report import write_report
+from realitygap.studies.blind.summary import summarise
+from realitygap.studies.blind.trials import BlindConfig, plan
+from realitygap.studies.execution import Unfinished, Workers
+from realitygap.studies.manifest import made
+from realitygap.studies.output import whole_file
+from realitygap.studies.progress import Progress
+from realitygap.studies.provenance import write_json
 
 
 class TrialsFailed(Unfinished):

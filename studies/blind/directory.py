@@ -13,11 +13,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from studies.blind.trials import BlindConfig, Trial
-from studies.manifest import Pieces
-from studies.output import whole_file
-from studies.provenance import as_json_bytes, versions, write_json
-from studies.resumed import begun_with, check_ours, check_same, locked
+from realitygap.studies.blind.trials import BlindConfig, Trial
+from realitygap.studies.manifest import Pieces
+from realitygap.studies.output import whole_file
+from realitygap.studies.provenance import as_json_bytes, versions, write_json
+from realitygap.studies.resumed import begun_with, check_ours, check_same, locked
 
 TRIAL = "trial.json"
 

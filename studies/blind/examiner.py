@@ -23,9 +23,9 @@ from select import select
 from threading import Lock
 from typing import Any
 
-from studies.diagnosis_request import Request
-from studies.lifetime import end_with, tied
-from studies.rooms import scratch
+from realitygap.studies.diagnosis_request import Request
+from realitygap.studies.lifetime import end_with, tied
+from realitygap.studies.rooms import scratch
 
 LOG = "samples.parquet"
 TIMEOUT = 900.0
@@ -133,7 +133,9 @@ def ask(given: Path, withheld: tuple[str, ...] = ()) -> Answer:
 def _started() -> subprocess.Popen[str]:
     """A session of its own: an interrupt is for who asks, whose end it sees."""
     return subprocess.Popen(
-        tied((sys.executable, "-c", "from studies.blind.examiner import serve; serve()")),
+        tied(
+            (sys.executable, "-c", "from realitygap.studies.blind.examiner import serve; serve()")
+        ),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         env={**os.environ, **THREADS},
@@ -144,7 +146,7 @@ def _started() -> subprocess.Popen[str]:
 
 def serve() -> None:
     """Answer every line of standard input, a question, with its number and an exit code."""
-    from studies.diagnosis_files import content_of  # loaded once, before any fork
+    from realitygap.studies.diagnosis_files import content_of  # loaded once, before any fork
 
     examiner = os.getpid()
     for line in sys.stdin:

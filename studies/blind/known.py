@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from models.catalogue import every_cause
-from studies.blind.menu import MENU
+from realitygap.models.catalogue import every_cause
+from realitygap.studies.blind.menu import MENU
 
 
 def known_effects() -> tuple[str, ...]:

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from studies.blind.limits import share
-from studies.blind.scoring import Score
-from studies.blind.trials import Trial
+from realitygap.studies.blind.limits import share
+from realitygap.studies.blind.scoring import Score
+from realitygap.studies.blind.trials import Trial
 
 FOLLOWS: Mapping[str, frozenset[str]] = {
     name: frozenset(quantities.split())

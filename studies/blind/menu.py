@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from embedded_sim import SENSORS
-from reality import constants as k
+from realitygap.embedded_sim import SENSORS
+from realitygap.reality import constants as k
 
 Value = float | str
 Values = Callable[[float, np.random.Generator], Mapping[str, Value]]

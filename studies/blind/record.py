@@ -13,14 +13,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from studies.blind.examiner import LOG, THREADS, TIMEOUT, Answer, ask
-from studies.blind.trials import Trial
-from studies.blind.unlisted import UNLISTED
-from studies.experiment import ANONYMOUS, simulate
-from studies.lifetime import tied
-from studies.rooms import scratch
+from realitygap.studies.blind.examiner import LOG, THREADS, TIMEOUT, Answer, ask
+from realitygap.studies.blind.trials import Trial
+from realitygap.studies.blind.unlisted import UNLISTED
+from realitygap.studies.experiment import ANONYMOUS, simulate
+from realitygap.studies.lifetime import tied
+from realitygap.studies.rooms import scratch
 
-COMMAND = (sys.executable, "-c", "from studies.cli import main; main()", "diagnose")
+COMMAND = (sys.executable, "-c", "from realitygap.studies.cli import main; main()", "diagnose")
 """`realitygap diagnose`, by this interpreter."""
 
 Diagnosed = Callable[[Path, tuple[str, ...]], Answer]

@@ -10,12 +10,12 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from studies.blind.directory import BlindDirectory
-from studies.blind.menu import MENU
-from studies.blind.scoring import outcome
-from studies.blind.summary import ABSTAINED, Result, results
-from studies.output import whole_file
-from studies.paper.page import Picture, Section, Table, write_page
+from realitygap.studies.blind.directory import BlindDirectory
+from realitygap.studies.blind.menu import MENU
+from realitygap.studies.blind.scoring import outcome
+from realitygap.studies.blind.summary import ABSTAINED, Result, results
+from realitygap.studies.output import whole_file
+from realitygap.studies.paper.page import Picture, Section, Table, write_page
 
 COLOURS = {"named": "#2a9d8f", "ambiguous": "#f2b134", "no name": "#9aa5b1", "wrong": "#b3261e"}
 

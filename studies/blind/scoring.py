@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from studies.blind.trials import Hidden, Trial
-from studies.shares import as_told
+from realitygap.studies.blind.trials import Hidden, Trial
+from realitygap.studies.shares import as_told
 
 CANNOT_TELL = "cannot_tell"
 """The verdict on a log that could not have shown what might be wrong."""

@@ -13,12 +13,12 @@ from typing import Annotated, Any, Literal, get_args
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from embedded_sim.errors import InputError, nearest
-from reality.effects import catalogue
-from studies.blind.menu import MENU, STRANGE, Value
-from studies.blind.unlisted import UNLISTED
-from studies.experiment import Case, Controller, RunConfig, Seed
-from studies.settings import checked
+from realitygap.embedded_sim.errors import InputError, nearest
+from realitygap.reality.effects import catalogue
+from realitygap.studies.blind.menu import MENU, STRANGE, Value
+from realitygap.studies.blind.unlisted import UNLISTED
+from realitygap.studies.experiment import Case, Controller, RunConfig, Seed
+from realitygap.studies.settings import checked
 
 Kind = Literal["healthy", "single", "pair", "unlisted", "left_out", "rest"]
 """`left_out`: an effect whose cause the diagnosis must do without; `rest`: the robots of a crowd

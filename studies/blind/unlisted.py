@@ -11,11 +11,11 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from reality import constants as k
-from reality.effects import Effect, Parameter
-from reality.effects.effect import WHEEL, Robots, Value, number, wheels
-from reality.hardware import FloatArray, Hardware
-from reality.laws import WheelLaw
+from realitygap.reality import constants as k
+from realitygap.reality.effects import Effect, Parameter
+from realitygap.reality.effects.effect import WHEEL, Robots, Value, number, wheels
+from realitygap.reality.hardware import FloatArray, Hardware
+from realitygap.reality.laws import WheelLaw
 
 Apply = Callable[[Hardware, Robots, Mapping[str, Value]], None]
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import typer
 
-from embedded_sim.errors import LONGEST_EXPECTED, Diverged, InputError, shown
-from studies.lifetime import Ended, deafened, listening
-from studies.rooms import clear_temporary, close_rooms
-from studies.streams import open_streams
+from realitygap.embedded_sim.errors import LONGEST_EXPECTED, Diverged, InputError, shown
+from realitygap.studies.lifetime import Ended, deafened, listening
+from realitygap.studies.rooms import clear_temporary, close_rooms
+from realitygap.studies.streams import open_streams
 
 app = typer.Typer(
     name="realitygap",
@@ -43,7 +43,7 @@ _UsageError: Any = typer.BadParameter.__base__
 """Typer's error for wrong words on the command line; it exports only this child of it."""
 
 for _name in COMMANDS:
-    importlib.import_module(f"studies.cli.{_name}")
+    importlib.import_module(f"realitygap.studies.cli.{_name}")
 
 
 def main() -> None:

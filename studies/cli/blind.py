@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from studies.cli import app
-from studies.cli.options import Jobs, Quiet, Scheduler, Seed, within
-from studies.cli.resume import resumable
-from studies.cli.say import say
+from realitygap.studies.cli import app
+from realitygap.studies.cli.options import Jobs, Quiet, Scheduler, Seed, within
+from realitygap.studies.cli.resume import resumable
+from realitygap.studies.cli.say import say
 
 
 @app.command(epilog="Example: realitygap blind --trials 60 --seed 3 --out out/blind")
@@ -60,10 +60,10 @@ def blind(
     Writes blind.json, report.html, figures/ and a file per trial. Stopped or killed, the same
     command goes on with the trials that are missing.
     """
-    from studies.blind.battery import run_battery
-    from studies.blind.known import known_effects
-    from studies.blind.trials import blind_config
-    from studies.execution import Workers
+    from realitygap.studies.blind.battery import run_battery
+    from realitygap.studies.blind.known import known_effects
+    from realitygap.studies.blind.trials import blind_config
+    from realitygap.studies.execution import Workers
 
     effects = tuple(only) if only else known_effects()
     lengths = {"seconds": tuple(seconds)} if seconds else {}

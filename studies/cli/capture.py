@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from studies.cli import app
-from studies.cli.options import Force, Out, Quiet, Seed
+from realitygap.studies.cli import app
+from realitygap.studies.cli.options import Force, Out, Quiet, Seed
 
 EXAMPLE = """Example: realitygap capture --out epuck.npz"""
 
@@ -18,10 +18,10 @@ def capture(
     """Put a nominal robot before wall and lamp and write the table of what its sensors read."""
     import numpy as np
 
-    from models import load_tables, save_tables
-    from reality.capture import capture as drive_protocol
-    from studies.output import readable, whole_file
-    from studies.progress import Progress
+    from realitygap.models import load_tables, save_tables
+    from realitygap.reality.capture import capture as drive_protocol
+    from realitygap.studies.output import readable, whole_file
+    from realitygap.studies.progress import Progress
 
     with (
         whole_file(out, force=force, ours=readable(load_tables)) as part,

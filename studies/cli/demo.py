@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from studies.cli import app
-from studies.cli.options import Force, Jobs, Quiet, Seed
-from studies.cli.say import say
+from realitygap.studies.cli import app
+from realitygap.studies.cli.options import Force, Jobs, Quiet, Seed
+from realitygap.studies.cli.say import say
 
 EXAMPLE = """Example: realitygap demo --out out/demo --seed 3"""
 
@@ -27,12 +27,12 @@ def demo(
     Two to three minutes on two cores. Writes report.html, demo.json, demo.png and what each
     chapter made; sealed.json holds what was hidden and is read only at the end.
     """
-    from studies.demo.chapters import tell
-    from studies.demo.report import write_report
-    from studies.demo.story import Size, as_json, verdict_line
-    from studies.execution import Workers
-    from studies.output import whole_directory
-    from studies.provenance import write_json
+    from realitygap.studies.demo.chapters import tell
+    from realitygap.studies.demo.report import write_report
+    from realitygap.studies.demo.story import Size, as_json, verdict_line
+    from realitygap.studies.execution import Workers
+    from realitygap.studies.output import whole_directory
+    from realitygap.studies.provenance import write_json
 
     workers = Workers.chosen(jobs, None)
     with whole_directory(out, force=force, holds=("demo.json", "run.json")) as part:

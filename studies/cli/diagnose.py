@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from studies.cli import app
-from studies.cli.options import Force, Model, Out, Quiet, Seed
-from studies.cli.say import say
+from realitygap.studies.cli import app
+from realitygap.studies.cli.options import Force, Model, Out, Quiet, Seed
+from realitygap.studies.cli.say import say
 
 EXAMPLE = """Example: realitygap diagnose out/run1 --out out/diagnosis"""
 
@@ -35,10 +35,10 @@ def diagnose(
 
     Writes diagnosis.json, extended.toml (the model with what was named) and report.html.
     """
-    from studies.diagnosis_files import diagnose_files
-    from studies.diagnosis_request import Request
-    from studies.diagnosis_words import verdict_sentence
-    from studies.progress import Stages
+    from realitygap.studies.diagnosis_files import diagnose_files
+    from realitygap.studies.diagnosis_request import Request
+    from realitygap.studies.diagnosis_words import verdict_sentence
+    from realitygap.studies.progress import Stages
 
     request = Request(
         logs=tuple(log),

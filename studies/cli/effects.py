@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from studies.cli import app
-from studies.cli.say import say
+from realitygap.studies.cli import app
+from realitygap.studies.cli.say import say
 
 
 @app.command(epilog="Example: realitygap effects | less")
@@ -20,7 +20,7 @@ def effects(
     """
     from rich.console import Console
 
-    from studies.catalogue import KINDS, entries
+    from realitygap.studies.catalogue import KINDS, entries
 
     if quiet:
         for kind in KINDS:

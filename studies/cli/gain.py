@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from studies.cli import app
-from studies.cli.options import MOST_RUNS, Force, Jobs, Minutes, Out, Quiet, Seed, within
-from studies.cli.say import say
+from realitygap.studies.cli import app
+from realitygap.studies.cli.options import MOST_RUNS, Force, Jobs, Minutes, Out, Quiet, Seed, within
+from realitygap.studies.cli.say import say
 
 EXAMPLE = (
     "Example: realitygap gain --log out/odd --extended out/odd-diagnosis/extended.toml "
@@ -52,11 +52,11 @@ def gain(
     and, where the truth is known, of the true parameters. Writes gain.json, errors.parquet and
     report.html. The gain in food is measured by `realitygap study transfer`.
     """
-    from studies.gain.measure import GainFailed, measure_gain
-    from studies.gain.report import write_gain
-    from studies.gain.request import GainRequest
-    from studies.output import whole_directory
-    from studies.progress import Progress
+    from realitygap.studies.gain.measure import GainFailed, measure_gain
+    from realitygap.studies.gain.report import write_gain
+    from realitygap.studies.gain.request import GainRequest
+    from realitygap.studies.output import whole_directory
+    from realitygap.studies.progress import Progress
 
     request = GainRequest(
         logs=tuple(log),

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from studies.cli import app
-from studies.cli.options import Force, Model, Out, Quiet, Seed
-from studies.cli.say import say
+from realitygap.studies.cli import app
+from realitygap.studies.cli.options import Force, Model, Out, Quiet, Seed
+from realitygap.studies.cli.say import say
 
 EXAMPLE = """Example: realitygap gap out/run1 --out out/gap1"""
 
@@ -28,15 +28,15 @@ def gap(
     Writes gap.json, tidy tables and figures. A directory with generations.parquet (a run's or a
     study's) adds the gap between simulated and real fitness; without samples, that is all.
     """
-    from models.gap import measure_gap
-    from models.log import SAMPLES, read_log
-    from models.modelfile import find_model_file, load_common, read_model_file
-    from studies.fitness_gap.by_third import coevolution_gap
-    from studies.fitness_gap.generations import find_generations, read_generations
-    from studies.gap_report import write_coevolution, write_gap
-    from studies.output import whole_directory
-    from studies.progress import Stages
-    from studies.provenance import file_read, log_read, model_read
+    from realitygap.models.gap import measure_gap
+    from realitygap.models.log import SAMPLES, read_log
+    from realitygap.models.modelfile import find_model_file, load_common, read_model_file
+    from realitygap.studies.fitness_gap.by_third import coevolution_gap
+    from realitygap.studies.fitness_gap.generations import find_generations, read_generations
+    from realitygap.studies.gap_report import write_coevolution, write_gap
+    from realitygap.studies.output import whole_directory
+    from realitygap.studies.progress import Stages
+    from realitygap.studies.provenance import file_read, log_read, model_read
 
     file = read_model_file(model)
     point = load_common(model, sensors="declared")

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from embedded_sim.errors import InputError, nearest
-from studies.cli import app
-from studies.cli.options import Force, Out, Quiet
-from studies.cli.say import say
+from realitygap.embedded_sim.errors import InputError, nearest
+from realitygap.studies.cli import app
+from realitygap.studies.cli.options import Force, Out, Quiet
+from realitygap.studies.cli.say import say
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from embedded_sim import Drive
+    from realitygap.embedded_sim import Drive
 
 FORMATS = {"optiodom": "optiodom", "mrclam": "create", "csv": "epuck"}
 """Formats, and the robot whose geometry they are read with unless --model says otherwise."""
@@ -45,10 +45,10 @@ def import_(
     optiodom: session directories. mrclam: UTIAS multi-robot directories. csv: files read by --map.
     The log is written as .parquet or .csv.
     """
-    from models.log import make_log, write_table
-    from models.modelfile import read_model_file
-    from studies.output import whole_file
-    from studies.progress import Stages
+    from realitygap.models.log import make_log, write_table
+    from realitygap.models.modelfile import read_model_file
+    from realitygap.studies.output import whole_file
+    from realitygap.studies.progress import Stages
 
     if format_ not in FORMATS:
         raise InputError("FORMAT", format_, nearest(format_, FORMATS))
@@ -74,7 +74,7 @@ def import_(
 
 def _is_log(path: Path) -> bool:
     """Whether a file is a table as this command writes it."""
-    from models.log import read_table
+    from realitygap.models.log import read_table
 
     try:
         return {"run", "robot", "t", "x", "y", "yaw"} <= set(read_table(path).columns)
@@ -92,9 +92,9 @@ def _read(
     """The sources, one after the other, as one table; several csv files become several runs."""
     import pandas as pd
 
-    from models.formats.mapped import read_mapped
-    from models.formats.mrclam import read_mrclam
-    from models.formats.optiodom import read_optiodom
+    from realitygap.models.formats.mapped import read_mapped
+    from realitygap.models.formats.mrclam import read_mrclam
+    from realitygap.models.formats.optiodom import read_optiodom
 
     if (map_ is None) == (format_ == "csv"):
         said = "a map for this csv" if map_ is None else f"none with {format_}"

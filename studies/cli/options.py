@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from embedded_sim.errors import InputError
+from realitygap.embedded_sim.errors import InputError
 
 
 def within(low: int, high: int) -> Callable[[typer.CallbackParam, int | None], int | None]:

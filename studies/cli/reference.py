@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from studies.cli import app
-from studies.cli.options import MOST_RUNS, Force, Jobs, Model, Out, Quiet, Seed, within
+from realitygap.studies.cli import app
+from realitygap.studies.cli.options import MOST_RUNS, Force, Jobs, Model, Out, Quiet, Seed, within
 
 EXAMPLE = """Example: realitygap reference healthy1.parquet healthy2.parquet --out lab.json"""
 
@@ -41,8 +41,8 @@ def reference(
     the kind of motion you will diagnose. With --runs, healthy swarms of the nominal world are
     recorded first: random search without light and co-evolution with it, two minutes each.
     """
-    from studies.progress import Progress
-    from studies.reference_files import ReferenceRequest, write_reference_of
+    from realitygap.studies.progress import Progress
+    from realitygap.studies.reference_files import ReferenceRequest, write_reference_of
 
     request = ReferenceRequest(
         logs=tuple(log or ()),

@@ -7,13 +7,13 @@ from contextlib import contextmanager
 
 import typer
 
-from studies.cli.say import say
+from realitygap.studies.cli.say import say
 
 
 @contextmanager
 def resumable() -> Iterator[None]:
     """Turn work that ended before it was whole into one line and exit code 1."""
-    from studies.execution import Unfinished
+    from realitygap.studies.execution import Unfinished
 
     try:
         yield

@@ -6,9 +6,19 @@ from typing import Annotated
 
 import typer
 
-from embedded_sim.probes import MENU
-from studies.cli import app
-from studies.cli.options import Force, Genome, Minutes, OnBoard, Out, Quiet, Robots, Seed, Trials
+from realitygap.embedded_sim.probes import MENU
+from realitygap.studies.cli import app
+from realitygap.studies.cli.options import (
+    Force,
+    Genome,
+    Minutes,
+    OnBoard,
+    Out,
+    Quiet,
+    Robots,
+    Seed,
+    Trials,
+)
 
 EXAMPLE = """Example: realitygap run --case light-at-nest --minutes 10 --seed 1 --out out/run1"""
 
@@ -52,10 +62,10 @@ def run(
     Writes run.json, generations.parquet, deposits.parquet, samples.parquet (the measured log) and,
     apart from them, truth.json: what was hidden with --effect.
     """
-    from studies.experiment import simulate
-    from studies.output import whole_directory
-    from studies.progress import Progress
-    from studies.settings import run_config
+    from realitygap.studies.experiment import simulate
+    from realitygap.studies.output import whole_directory
+    from realitygap.studies.progress import Progress
+    from realitygap.studies.settings import run_config
 
     config = run_config(
         case=case,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from embedded_sim.errors import shown
+from realitygap.embedded_sim.errors import shown
 
 LONGEST_LINE = 2000
 """Letters of a line: our own are shorter, and what they quote may be of any length."""

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from studies.cli import app
-from studies.cli.options import (
+from realitygap.studies.cli import app
+from realitygap.studies.cli.options import (
     MOST_RUNS,
     Jobs,
     Minutes,
@@ -21,7 +21,7 @@ from studies.cli.options import (
     StudyOut,
     within,
 )
-from studies.cli.resume import resumable
+from realitygap.studies.cli.resume import resumable
 
 study = typer.Typer(
     name="study",
@@ -90,9 +90,9 @@ def _study(
     quiet: bool,
 ) -> None:
     """Run what is missing, then write the tables and the report."""
-    from studies.execution import Workers
-    from studies.paper.conditions import study_config
-    from studies.paper.study import run_study
+    from realitygap.studies.execution import Workers
+    from realitygap.studies.paper.conditions import study_config
+    from realitygap.studies.paper.study import run_study
 
     config = study_config(study=name, **asked)
     with resumable():

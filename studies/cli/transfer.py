@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from studies.cli.options import (
+from realitygap.studies.cli.options import (
     MOST_RUNS,
     Genome,
     Jobs,
@@ -20,8 +20,8 @@ from studies.cli.options import (
     Trials,
     within,
 )
-from studies.cli.resume import resumable
-from studies.cli.study import study
+from realitygap.studies.cli.resume import resumable
+from realitygap.studies.cli.study import study
 
 EXAMPLE = "Example: realitygap study transfer --effect window-at-nest --runs 3 --out out/transfer"
 
@@ -62,11 +62,11 @@ def transfer(
     Writes transfer.json, transfer.csv, runs.csv, figures/ and report.html. Stopped or killed, the
     same command goes on with the runs that are missing.
     """
-    from studies.execution import Workers
-    from studies.settings import run_config
-    from studies.transfer.alterations import chosen
-    from studies.transfer.plan import transfer_config
-    from studies.transfer.study import run_transfer
+    from realitygap.studies.execution import Workers
+    from realitygap.studies.settings import run_config
+    from realitygap.studies.transfer.alterations import chosen
+    from realitygap.studies.transfer.plan import transfer_config
+    from realitygap.studies.transfer.study import run_transfer
 
     checked = run_config(case=case, robots=robots, genome=genome)
     config = transfer_config(

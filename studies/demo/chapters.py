@@ -7,21 +7,29 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from models.log import SAMPLES
-from studies.altered import MODEL, AlteredRun, Files, keep, read_files, run_altered
-from studies.blind.examiner import LOG
-from studies.blind.record import diagnose
-from studies.blind.scoring import score
-from studies.blind.trials import Trial
-from studies.demo.hide import draw, run_seed, seal, unseal
-from studies.demo.story import Size, Story, food_line, gap_line, named_line, table, verdict_line
-from studies.execution import Workers, completed
-from studies.experiment import ANONYMOUS, FIXED_GENOMES, RunConfig
-from studies.gain.measure import measure_gain
-from studies.gain.report import write_gain
-from studies.gain.request import GainRequest
-from studies.progress import Progress
-from studies.rooms import scratch
+from realitygap.models.log import SAMPLES
+from realitygap.studies.altered import MODEL, AlteredRun, Files, keep, read_files, run_altered
+from realitygap.studies.blind.examiner import LOG
+from realitygap.studies.blind.record import diagnose
+from realitygap.studies.blind.scoring import score
+from realitygap.studies.blind.trials import Trial
+from realitygap.studies.demo.hide import draw, run_seed, seal, unseal
+from realitygap.studies.demo.story import (
+    Size,
+    Story,
+    food_line,
+    gap_line,
+    named_line,
+    table,
+    verdict_line,
+)
+from realitygap.studies.execution import Workers, completed
+from realitygap.studies.experiment import ANONYMOUS, FIXED_GENOMES, RunConfig
+from realitygap.studies.gain.measure import measure_gain
+from realitygap.studies.gain.report import write_gain
+from realitygap.studies.gain.request import GainRequest
+from realitygap.studies.progress import Progress
+from realitygap.studies.rooms import scratch
 
 CHAPTERS = (
     "hide",

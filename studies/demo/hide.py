@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from reality import constants as k
-from studies.blind.menu import MENU, Value
-from studies.blind.trials import Hidden
-from studies.experiment import Case, RunConfig
-from studies.provenance import write_json
+from realitygap.reality import constants as k
+from realitygap.studies.blind.menu import MENU, Value
+from realitygap.studies.blind.trials import Hidden
+from realitygap.studies.experiment import Case, RunConfig
+from realitygap.studies.provenance import write_json
 
 DRAW = 5
 """Spawn key of the draw, our choice: with it the default seed draws what changes food most."""

@@ -10,11 +10,11 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.catalogue import every_cause
-from studies.demo.story import Story
-from studies.gain.runs import BEFORE, EXTENDED, HEALTHY
-from studies.gain.words import SHOWN
-from studies.paper import figures
+from realitygap.models.catalogue import every_cause
+from realitygap.studies.demo.story import Story
+from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY
+from realitygap.studies.gain.words import SHOWN
+from realitygap.studies.paper import figures
 
 WRONG, RIGHT, SOUND = "#b0413e", "#2a9d8f", "#9aa5b1"
 """The minimal model, the extended one, and healthy robots or fixed controllers."""

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.demo.picture import draw_story, value_text
-from studies.demo.story import Story, gap_line, verdict_line
-from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
-from studies.gain.words import LABELS, number, percent
-from studies.paper.page import Picture, Section, Table, write_page
-from studies.picture import draw_run
-from studies.rooms import scratch
+from realitygap.studies.demo.picture import draw_story, value_text
+from realitygap.studies.demo.story import Story, gap_line, verdict_line
+from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
+from realitygap.studies.gain.words import LABELS, number, percent
+from realitygap.studies.paper.page import Picture, Section, Table, write_page
+from realitygap.studies.picture import draw_run
+from realitygap.studies.rooms import scratch
 
 IN_ONE_PICTURE = (
     "Left: how far predictions are off, in fresh runs that nothing was named from. Middle: what "

@@ -8,11 +8,11 @@ from typing import Any
 
 import pandas as pd
 
-from studies.altered import Files
-from studies.blind.scoring import Score
-from studies.demo.hide import Secret
-from studies.fitness_gap.by_third import coevolution_gap
-from studies.gain.measure import Gain
+from realitygap.studies.altered import Files
+from realitygap.studies.blind.scoring import Score
+from realitygap.studies.demo.hide import Secret
+from realitygap.studies.fitness_gap.by_third import coevolution_gap
+from realitygap.studies.gain.measure import Gain
 
 
 @dataclass(frozen=True, kw_only=True)

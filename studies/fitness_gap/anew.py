@@ -20,10 +20,10 @@ import itertools
 import numpy as np
 import pandas as pd
 
-from embedded_sim import Behaviour, PointModel, evaluate
-from embedded_sim.model import FloatArray
-from models import load_models
-from studies.fitness_gap.generations import scenario, whole
+from realitygap.embedded_sim import Behaviour, PointModel, evaluate
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models import load_models
+from realitygap.studies.fitness_gap.generations import scenario, whole
 
 TRIALS = 1000
 """Fresh trials per controller and scenario; our choice: a standard error of about 1 s."""

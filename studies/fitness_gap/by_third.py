@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from studies.fitness_gap.generations import COLUMNS, scenario, whole
+from realitygap.studies.fitness_gap.generations import COLUMNS, scenario, whole
 
 BOOTSTRAPS = 2000
 INTERVAL = (0.025, 0.975)

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from embedded_sim import CONTROL_STEP, InputError
-from embedded_sim.onboard import GENERATION_STEPS
-from models.opened import parsing
-from models.table_files import read_parquet
-from studies.experiment import HALVES
+from realitygap.embedded_sim import CONTROL_STEP, InputError
+from realitygap.embedded_sim.onboard import GENERATION_STEPS
+from realitygap.models.opened import parsing
+from realitygap.models.table_files import read_parquet
+from realitygap.studies.experiment import HALVES
 
 COLUMNS = (
     *("run", "robot", "generation", "t_start", "t_end", "case"),

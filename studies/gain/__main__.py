@@ -1,4 +1,4 @@
-"""`python -m studies.gain --out DIR`: the gain over the catalogue, effect by effect."""
+"""`python -m realitygap.studies.gain --out DIR`: the gain over the catalogue, effect by effect."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ import pandas as pd
 import typer
 from rich.console import Console
 
-from embedded_sim.errors import InputError
-from studies.blind.known import known_effects
-from studies.execution import Unfinished, Workers
-from studies.gain.catalogue import HIDDEN_BY_NATURE, groups, run_catalogue
-from studies.output import whole_file
-from studies.paper.page import number
+from realitygap.embedded_sim.errors import InputError
+from realitygap.studies.blind.known import known_effects
+from realitygap.studies.execution import Unfinished, Workers
+from realitygap.studies.gain.catalogue import HIDDEN_BY_NATURE, groups, run_catalogue
+from realitygap.studies.output import whole_file
+from realitygap.studies.paper.page import number
 
 MOST = 1.3
 MEDIAN = 1.1
@@ -100,5 +100,5 @@ if __name__ == "__main__":
     try:
         typer.run(main)
     except (InputError, Unfinished) as error:
-        sys.stderr.write(f"studies.gain: {error}\n")
+        sys.stderr.write(f"realitygap.studies.gain: {error}\n")
         sys.exit(2 if isinstance(error, InputError) else 1)

@@ -18,17 +18,17 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from models.log import SAMPLES
-from models.modelfile import find_model_file, read_model_file
-from models.tables import load_tables
-from reality.effects import catalogue, parse_effects
-from studies.blind.menu import MENU
-from studies.blind.record import diagnose
-from studies.blind.trials import Hidden
-from studies.execution import Unfinished, Workers
-from studies.experiment import ANONYMOUS, Case, RunConfig, simulate
-from studies.gain.catalogue_rows import rows_of
-from studies.gain.runs import (
+from realitygap.models.log import SAMPLES
+from realitygap.models.modelfile import find_model_file, read_model_file
+from realitygap.models.tables import load_tables
+from realitygap.reality.effects import catalogue, parse_effects
+from realitygap.studies.blind.menu import MENU
+from realitygap.studies.blind.record import diagnose
+from realitygap.studies.blind.trials import Hidden
+from realitygap.studies.execution import Unfinished, Workers
+from realitygap.studies.experiment import ANONYMOUS, Case, RunConfig, simulate
+from realitygap.studies.gain.catalogue_rows import rows_of
+from realitygap.studies.gain.runs import (
     BEFORE,
     EXTENDED,
     HEALTHY,
@@ -38,12 +38,12 @@ from studies.gain.runs import (
     measure_recorded,
     plan,
 )
-from studies.gain.truth import true_model
-from studies.manifest import Pieces, made
-from studies.output import whole_file
-from studies.provenance import as_json_bytes, versions, write_json
-from studies.resumed import begun_with, check_ours, check_same, locked
-from studies.rooms import scratch
+from realitygap.studies.gain.truth import true_model
+from realitygap.studies.manifest import Pieces, made
+from realitygap.studies.output import whole_file
+from realitygap.studies.provenance import as_json_bytes, versions, write_json
+from realitygap.studies.resumed import begun_with, check_ours, check_same, locked
+from realitygap.studies.rooms import scratch
 
 BEGUN = "catalogue.json"
 """What a catalogue's directory was begun with."""

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from reality.effects import catalogue
-from studies.blind.trials import Hidden
-from studies.experiment import RunConfig
-from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
-from studies.gain.weigh import weigh
+from realitygap.reality.effects import catalogue
+from realitygap.studies.blind.trials import Hidden
+from realitygap.studies.experiment import RunConfig
+from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
+from realitygap.studies.gain.weigh import weigh
 
 MOTION = (("position", "1 s"), ("heading", "1 s"))
 CHANNELS: dict[str, tuple[tuple[str, str | None], ...]] = {

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from embedded_sim.errors import InputError
-from embedded_sim.tables import Tables
-from models.modelfile import ModelFile, find_model_file, read_model_file
-from models.tables import load_tables
-from studies.gain.runs import BEFORE, EXTENDED, ORACLE
+from realitygap.embedded_sim.errors import InputError
+from realitygap.embedded_sim.tables import Tables
+from realitygap.models.modelfile import ModelFile, find_model_file, read_model_file
+from realitygap.models.tables import load_tables
+from realitygap.studies.gain.runs import BEFORE, EXTENDED, ORACLE
 
 
 @dataclass(frozen=True)

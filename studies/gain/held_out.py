@@ -14,20 +14,20 @@ from typing import Any
 
 import pandas as pd
 
-from embedded_sim.errors import InputError
-from embedded_sim.model import Drive
-from models.diagnosis import file_hash
-from models.log import EXPECTED, SAMPLES, read_log, read_table
-from models.modelfile import ModelFile
-from models.opened import json_values, opened, parsing
-from models.schema import coerce
-from models.table_files import MOST_BYTES
-from reality.effects import Hidden, parse_effects
-from studies.gain.compared import Compared
-from studies.gain.request import GainRequest
-from studies.gain.runs import HEALTHY, Given, HeldOut, Recorded, plan
-from studies.gain.truth import concerned, hidden_in, told, true_model
-from studies.settings import run_config
+from realitygap.embedded_sim.errors import InputError
+from realitygap.embedded_sim.model import Drive
+from realitygap.models.diagnosis import file_hash
+from realitygap.models.log import EXPECTED, SAMPLES, read_log, read_table
+from realitygap.models.modelfile import ModelFile
+from realitygap.models.opened import json_values, opened, parsing
+from realitygap.models.schema import coerce
+from realitygap.models.table_files import MOST_BYTES
+from realitygap.reality.effects import Hidden, parse_effects
+from realitygap.studies.gain.compared import Compared
+from realitygap.studies.gain.request import GainRequest
+from realitygap.studies.gain.runs import HEALTHY, Given, HeldOut, Recorded, plan
+from realitygap.studies.gain.truth import concerned, hidden_in, told, true_model
+from realitygap.studies.settings import run_config
 
 ROBOTS = 10
 """Of a recorded run, where no log says how many there are."""

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from models.modelfile import ModelFile
-from studies.execution import Workers, completed
-from studies.gain.compared import read_compared
-from studies.gain.food import FILE, read_transfer
-from studies.gain.held_out import choose
-from studies.gain.request import GainRequest
-from studies.gain.runs import HEALTHY, Given, Recorded, measure_given, measure_recorded
-from studies.gain.weigh import weigh
-from studies.provenance import file_read, log_read, model_read, versions
+from realitygap.models.modelfile import ModelFile
+from realitygap.studies.execution import Workers, completed
+from realitygap.studies.gain.compared import read_compared
+from realitygap.studies.gain.food import FILE, read_transfer
+from realitygap.studies.gain.held_out import choose
+from realitygap.studies.gain.request import GainRequest
+from realitygap.studies.gain.runs import HEALTHY, Given, Recorded, measure_given, measure_recorded
+from realitygap.studies.gain.weigh import weigh
+from realitygap.studies.provenance import file_read, log_read, model_read, versions
 
 SCHEMA = 1
 

@@ -11,15 +11,15 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from models.log import write_table
-from models.replay import HORIZONS
-from studies.gain.food import food_lines, food_table
-from studies.gain.measure import Gain
-from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
-from studies.gain.words import LABELS, SHOWN, number, percent, summary
-from studies.paper.page import Picture, Section, Table, write_page
-from studies.provenance import write_json
-from studies.rooms import scratch
+from realitygap.models.log import write_table
+from realitygap.models.replay import HORIZONS
+from realitygap.studies.gain.food import food_lines, food_table
+from realitygap.studies.gain.measure import Gain
+from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
+from realitygap.studies.gain.words import LABELS, SHOWN, number, percent, summary
+from realitygap.studies.paper.page import Picture, Section, Table, write_page
+from realitygap.studies.provenance import write_json
+from realitygap.studies.rooms import scratch
 
 DPI = 100
 COLOURS = {BEFORE: "#b0413e", HEALTHY: "#7f7f7f", EXTENDED: "#2f6f9f", ORACLE: "#222222"}

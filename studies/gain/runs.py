@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from embedded_sim.model import Drive
-from embedded_sim.tables import Tables
-from models.log import MeasuredLog, make_log, read_log
-from models.modelfile import ModelFile
-from models.prediction import prediction_errors
-from studies.experiment import Case, RunConfig, simulate
-from studies.rooms import scratch
+from realitygap.embedded_sim.model import Drive
+from realitygap.embedded_sim.tables import Tables
+from realitygap.models.log import MeasuredLog, make_log, read_log
+from realitygap.models.modelfile import ModelFile
+from realitygap.models.prediction import prediction_errors
+from realitygap.studies.experiment import Case, RunConfig, simulate
+from realitygap.studies.rooms import scratch
 
 KINDS: tuple[tuple[str, Case], ...] = (
     ("search", "no-light"),

@@ -9,13 +9,13 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from embedded_sim.errors import InputError
-from models.catalogue import every_cause
-from models.modelfile import ModelFile
-from models.opened import json_values, parsing
-from reality.effects import Hidden, catalogue
-from reality.effects.spec import parse, spec_of
-from studies.oracle import oracle
+from realitygap.embedded_sim.errors import InputError
+from realitygap.models.catalogue import every_cause
+from realitygap.models.modelfile import ModelFile
+from realitygap.models.opened import json_values, parsing
+from realitygap.reality.effects import Hidden, catalogue
+from realitygap.reality.effects.spec import parse, spec_of
+from realitygap.studies.oracle import oracle
 
 TRUTH = "truth.json"
 EXPECTED = "the truth.json of a run"

@@ -13,9 +13,9 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from embedded_sim.model import FloatArray
-from models.replay import HORIZONS
-from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.replay import HORIZONS
+from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
 
 RESAMPLED = 2000
 """Bootstrap samples; intervals are their 2.5 and 97.5 % quantiles."""

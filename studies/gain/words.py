@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from studies.gain.food import food_lines
-from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
+from realitygap.studies.gain.food import food_lines
+from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
 
 SHOWN = {"m": (1e3, "mm"), "rad": (1e3, "mrad"), "counts": (1.0, "counts"), "share": (100.0, "%")}
 """Factor and unit that errors are shown in."""

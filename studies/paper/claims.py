@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from embedded_sim import SCENARIOS
-from studies.paper.weighing import (
+from realitygap.embedded_sim import SCENARIOS
+from realitygap.studies.paper.weighing import (
     Claim,
     all_more,
     at_least,

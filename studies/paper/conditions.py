@@ -9,10 +9,10 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from models.modelfile import find_model_file, load_models
-from studies.experiment import Case, Controller, Minutes, Robots, RunConfig, Seed
-from studies.provenance import model_hash
-from studies.settings import checked
+from realitygap.models.modelfile import find_model_file, load_models
+from realitygap.studies.experiment import Case, Controller, Minutes, Robots, RunConfig, Seed
+from realitygap.studies.provenance import model_hash
+from realitygap.studies.settings import checked
 
 StudyName = Literal["paper", "readings"]
 

@@ -15,12 +15,12 @@ from typing import Any, Generic, Literal, Protocol, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from embedded_sim.errors import InputError
-from studies.experiment import RunConfig
-from studies.manifest import Origin, Pieces
-from studies.output import whole_file
-from studies.provenance import versions, write_json
-from studies.resumed import begun_with, check_ours, check_same, locked
+from realitygap.embedded_sim.errors import InputError
+from realitygap.studies.experiment import RunConfig
+from realitygap.studies.manifest import Origin, Pieces
+from realitygap.studies.output import whole_file
+from realitygap.studies.provenance import versions, write_json
+from realitygap.studies.resumed import begun_with, check_ours, check_same, locked
 
 
 class Planned(Protocol):

@@ -6,15 +6,15 @@ import time
 from collections.abc import Callable
 from contextlib import closing
 
-from studies.execution import Unfinished, Workers
-from studies.experiment import simulate
-from studies.lifetime import shielded
-from studies.machine import Cores
-from studies.manifest import made
-from studies.paper.conditions import PlannedRun
-from studies.paper.directory import Run, Session, Study, StudyDirectory
-from studies.paper.tally import Tally
-from studies.rooms import scratch
+from realitygap.studies.execution import Unfinished, Workers
+from realitygap.studies.experiment import simulate
+from realitygap.studies.lifetime import shielded
+from realitygap.studies.machine import Cores
+from realitygap.studies.manifest import made
+from realitygap.studies.paper.conditions import PlannedRun
+from realitygap.studies.paper.directory import Run, Session, Study, StudyDirectory
+from realitygap.studies.paper.tally import Tally
+from realitygap.studies.rooms import scratch
 
 
 class RunsFailed(Unfinished):

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from studies.paper.conditions import COEVOLVED, LABELS, PAPER
-from studies.paper.tables import StudyTables
+from realitygap.studies.paper.conditions import COEVOLVED, LABELS, PAPER
+from realitygap.studies.paper.tables import StudyTables
 
 DARK, LIGHT, POINT = "#33658a", "#a9c6de", "#222222"
 """Before and after half-time, and single runs."""

@@ -7,9 +7,9 @@ import seaborn as sns
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from studies.fitness_gap.anew import PARTS
-from studies.paper.conditions import COEVOLVED, LABELS
-from studies.paper.figures import THIRD_NAMES, THIRDS
+from realitygap.studies.fitness_gap.anew import PARTS
+from realitygap.studies.paper.conditions import COEVOLVED, LABELS
+from realitygap.studies.paper.figures import THIRD_NAMES, THIRDS
 
 SIDES = {"fitness_sim": "in simulation, as promised", "fitness_real": "in reality, as earned"}
 COLORS = {"fitness_sim": "#c8553d", "fitness_real": "#33658a"}

@@ -6,10 +6,10 @@ import itertools
 
 import pandas as pd
 
-from embedded_sim import SCENARIOS
-from studies.fitness_gap.anew import PARTS
-from studies.paper.statistics import Array
-from studies.paper.tables import BEHAVIOURS
+from realitygap.embedded_sim import SCENARIOS
+from realitygap.studies.fitness_gap.anew import PARTS
+from realitygap.studies.paper.statistics import Array
+from realitygap.studies.paper.tables import BEHAVIOURS
 
 
 def controllers_table(fresh: Array) -> pd.DataFrame:

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.paper.conditions import LABELS
-from studies.paper.statistics import FEWEST, Array, interval, mann_whitney, wilcoxon
-from studies.paper.tables import BEHAVIOURS, StudyTables
+from realitygap.studies.paper.conditions import LABELS
+from realitygap.studies.paper.statistics import FEWEST, Array, interval, mann_whitney, wilcoxon
+from realitygap.studies.paper.tables import BEHAVIOURS, StudyTables
 
 Row = dict[Hashable, Any]
 """Of `mixture.csv`."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from studies.paper.weighing import ABOVE_ONE, BELOW_ONE
+from realitygap.studies.paper.weighing import ABOVE_ONE, BELOW_ONE
 
 
 @dataclass(frozen=True)

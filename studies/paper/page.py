@@ -69,7 +69,7 @@ class Section:
 def write_page(path: Path, title: str, lead: str, sections: Sequence[Section]) -> None:
     """Write the page."""
     environment = Environment(
-        loader=PackageLoader("studies.paper", "."),
+        loader=PackageLoader("realitygap.studies.paper", "."),
         autoescape=select_autoescape(default=True, default_for_string=True),
         undefined=StrictUndefined,
         trim_blocks=True,

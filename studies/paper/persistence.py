@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from studies.paper.statistics import Array
-from studies.paper.tables import StudyTables
+from realitygap.studies.paper.statistics import Array
+from realitygap.studies.paper.tables import StudyTables
 
 BEFORE = 10
 """Minutes before the lamp moves whose mean is the level to fall from; our choice."""

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from studies.paper.statistics import Array, needed
+from realitygap.studies.paper.statistics import Array, needed
 
 POWER = 0.8
 """Share of studies that shall decide; the customary figure."""

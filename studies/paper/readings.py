@@ -12,12 +12,12 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from embedded_sim.reading import BOUNDINGS
-from studies.paper.claims import CLAIMS
-from studies.paper.conditions import COEVOLVED, PAPER, Condition
-from studies.paper.statistics import FEWEST, Evidence
-from studies.paper.tables import StudyTables
-from studies.paper.verdicts import weigh
+from realitygap.embedded_sim.reading import BOUNDINGS
+from realitygap.studies.paper.claims import CLAIMS
+from realitygap.studies.paper.conditions import COEVOLVED, PAPER, Condition
+from realitygap.studies.paper.statistics import FEWEST, Evidence
+from realitygap.studies.paper.tables import StudyTables
+from realitygap.studies.paper.verdicts import weigh
 
 STANDARD_DEVIATIONS = (2.0, 0.2, 0.02)
 """Of S0's mutation: as printed, the default, and a tenth of it."""

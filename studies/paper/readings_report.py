@@ -7,14 +7,20 @@ import seaborn as sns
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from studies.output import whole_file
-from studies.paper import figures
-from studies.paper.conditions import LABELS, PlannedRun, StudyConfig
-from studies.paper.directory import StudyDirectory
-from studies.paper.page import Section, Table, number, write_page
-from studies.paper.readings import VARIANTS, depends, mean_food, weigh_readings
-from studies.paper.report import CAPTIONS, draw, settings_sections, write_csv, write_parquet
-from studies.paper.tables import collect
+from realitygap.studies.output import whole_file
+from realitygap.studies.paper import figures
+from realitygap.studies.paper.conditions import LABELS, PlannedRun, StudyConfig
+from realitygap.studies.paper.directory import StudyDirectory
+from realitygap.studies.paper.page import Section, Table, number, write_page
+from realitygap.studies.paper.readings import VARIANTS, depends, mean_food, weigh_readings
+from realitygap.studies.paper.report import (
+    CAPTIONS,
+    draw,
+    settings_sections,
+    write_csv,
+    write_parquet,
+)
+from realitygap.studies.paper.tables import collect
 
 CAPTIONS |= {
     "readings-claims": "Every claim (rows) in every variant (columns): green where its 95 % "

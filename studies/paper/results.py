@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.fitness_gap.anew import TRIALS
-from studies.paper.conditions import LABELS, STUDIED, StudyConfig
-from studies.paper.mixture import mixture_text
-from studies.paper.notes import NOTES
-from studies.paper.page import VERDICTS, Section, Table, number
-from studies.paper.power import power_table, power_text
+from realitygap.studies.fitness_gap.anew import TRIALS
+from realitygap.studies.paper.conditions import LABELS, STUDIED, StudyConfig
+from realitygap.studies.paper.mixture import mixture_text
+from realitygap.studies.paper.notes import NOTES
+from realitygap.studies.paper.page import VERDICTS, Section, Table, number
+from realitygap.studies.paper.power import power_table, power_text
 
 WEIGHED = (
     "Each claim is a statistic decided before any result was seen. Every value is one run. Effects "

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from studies.execution import Workers
-from studies.paper.conditions import STUDIED, StudyConfig, plan
-from studies.paper.directory import StudyDirectory
-from studies.paper.execution import execute, run_files
-from studies.paper.readings import reading_conditions
-from studies.paper.readings_report import dependence_line, write_readings
-from studies.paper.report import write_report
-from studies.paper.results import outcome
+from realitygap.studies.execution import Workers
+from realitygap.studies.paper.conditions import STUDIED, StudyConfig, plan
+from realitygap.studies.paper.directory import StudyDirectory
+from realitygap.studies.paper.execution import execute, run_files
+from realitygap.studies.paper.readings import reading_conditions
+from realitygap.studies.paper.readings_report import dependence_line, write_readings
+from realitygap.studies.paper.report import write_report
+from realitygap.studies.paper.results import outcome
 
 
 def run_study(study: StudyConfig, out: Path, workers: Workers, *, quiet: bool = False) -> str:

@@ -14,10 +14,10 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from embedded_sim import SCENARIOS
-from embedded_sim.breeding import third
-from studies.paper.conditions import PlannedRun, StudyConfig
-from studies.paper.directory import StudyDirectory
+from realitygap.embedded_sim import SCENARIOS
+from realitygap.embedded_sim.breeding import third
+from realitygap.studies.paper.conditions import PlannedRun, StudyConfig
+from realitygap.studies.paper.directory import StudyDirectory
 
 HALVES = ("first", "second")
 QUARTERS = ("q1", "q2", "q3", "q4")

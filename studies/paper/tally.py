@@ -7,8 +7,8 @@ from typing import Self
 
 from rich.progress import MofNCompleteColumn, TextColumn
 
-from studies.paper.directory import Planned
-from studies.progress import Shown
+from realitygap.studies.paper.directory import Planned
+from realitygap.studies.progress import Shown
 
 
 class Tally(Shown):

@@ -12,11 +12,11 @@ import zlib
 import numpy as np
 import pandas as pd
 
-from studies.paper.claims import CLAIMS
-from studies.paper.notes import labels
-from studies.paper.statistics import FEWEST, Evidence, needed
-from studies.paper.tables import StudyTables
-from studies.paper.weighing import Claim
+from realitygap.studies.paper.claims import CLAIMS
+from realitygap.studies.paper.notes import labels
+from realitygap.studies.paper.statistics import FEWEST, Evidence, needed
+from realitygap.studies.paper.tables import StudyTables
+from realitygap.studies.paper.weighing import Claim
 
 
 def weigh_claims(tables: StudyTables, seed: int) -> pd.DataFrame:

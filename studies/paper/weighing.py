@@ -12,8 +12,8 @@ from functools import partial
 
 import numpy as np
 
-from studies.paper.persistence import half_life, old_third_curves
-from studies.paper.statistics import (
+from realitygap.studies.paper.persistence import half_life, old_third_curves
+from realitygap.studies.paper.statistics import (
     Array,
     Evidence,
     Statistic,
@@ -30,7 +30,7 @@ from studies.paper.statistics import (
     spread_ratio,
     wilcoxon,
 )
-from studies.paper.tables import StudyTables
+from realitygap.studies.paper.tables import StudyTables
 
 Weigh = Callable[[StudyTables, np.random.Generator], Evidence]
 Names = str | tuple[str, ...]

@@ -6,10 +6,10 @@ import math
 
 from pydantic import BaseModel, ConfigDict
 
-from embedded_sim.errors import InputError, nearest
-from reality import constants as k
-from reality.effects import parse_effects
-from studies.experiment import Case
+from realitygap.embedded_sim.errors import InputError, nearest
+from realitygap.reality import constants as k
+from realitygap.reality.effects import parse_effects
+from realitygap.studies.experiment import Case
 
 
 class Alteration(BaseModel):

@@ -9,17 +9,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from models.extension import Extension
-from models.modelfile import find_model_file, read_model_file
-from reality.effects import parse_effects
-from studies.altered import Files, read_files
-from studies.blind.examiner import LOG
-from studies.blind.record import COMMAND, diagnose
-from studies.diagnosis_files import write_extended
-from studies.experiment import ANONYMOUS, RunConfig, simulate
-from studies.oracle import write_oracle
-from studies.rooms import scratch
-from studies.transfer.alterations import Alteration
+from realitygap.models.extension import Extension
+from realitygap.models.modelfile import find_model_file, read_model_file
+from realitygap.reality.effects import parse_effects
+from realitygap.studies.altered import Files, read_files
+from realitygap.studies.blind.examiner import LOG
+from realitygap.studies.blind.record import COMMAND, diagnose
+from realitygap.studies.diagnosis_files import write_extended
+from realitygap.studies.experiment import ANONYMOUS, RunConfig, simulate
+from realitygap.studies.oracle import write_oracle
+from realitygap.studies.rooms import scratch
+from realitygap.studies.transfer.alterations import Alteration
 
 
 @dataclass(frozen=True)

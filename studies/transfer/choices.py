@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from embedded_sim import SCENARIOS, Behaviour, PointModel, evaluate
+from realitygap.embedded_sim import SCENARIOS, Behaviour, PointModel, evaluate
 
 THIRDS = (0.165, 0.495, 0.825)
 """A gene in the middle of each third."""

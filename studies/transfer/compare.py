@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.paper.statistics import FEWEST, interval, mean, wilcoxon
-from studies.transfer.measures import METRICS
+from realitygap.studies.paper.statistics import FEWEST, interval, mean, wilcoxon
+from realitygap.studies.transfer.measures import METRICS
 
 PAIRS = (("extended", "minimal"), ("oracle", "minimal"), ("oracle", "extended"))
 """First less second."""

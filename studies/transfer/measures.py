@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from studies.experiment import HALVES
-from studies.fitness_gap.generations import whole
-from studies.paper.directory import StudyDirectory
-from studies.transfer.plan import MODELS, TransferConfig, TransferRun
+from realitygap.studies.experiment import HALVES
+from realitygap.studies.fitness_gap.generations import whole
+from realitygap.studies.paper.directory import StudyDirectory
+from realitygap.studies.transfer.plan import MODELS, TransferConfig, TransferRun
 
 METRICS = {
     "food": "items per minute",

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from models.modelfile import find_model_file, load_models
-from studies.experiment import (
+from realitygap.models.modelfile import find_model_file, load_models
+from realitygap.studies.experiment import (
     FIXED_GENOMES,
     GenomeName,
     Minutes,
@@ -18,10 +18,10 @@ from studies.experiment import (
     Seed,
     Trials,
 )
-from studies.paper.conditions import run_seed
-from studies.provenance import model_hash
-from studies.settings import checked
-from studies.transfer.alterations import Alteration
+from realitygap.studies.paper.conditions import run_seed
+from realitygap.studies.provenance import model_hash
+from realitygap.studies.settings import checked
+from realitygap.studies.transfer.alterations import Alteration
 
 ModelKind = Literal["minimal", "extended", "oracle"]
 MODELS: tuple[ModelKind, ...] = ("minimal", "extended", "oracle")

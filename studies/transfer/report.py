@@ -9,22 +9,22 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from models.modelfile import load_models
-from studies.altered import MODEL
-from studies.experiment import HALVES
-from studies.output import whole_file
-from studies.paper import figures
-from studies.paper.directory import StudyDirectory
-from studies.paper.page import Picture, Section, Table, write_page
-from studies.paper.report import write_csv
-from studies.provenance import write_json
-from studies.transfer import beliefs, words
-from studies.transfer.alterations import Alteration
-from studies.transfer.choices import TRIALS, choices, earnings
-from studies.transfer.choices import Table as Earnings
-from studies.transfer.compare import compare
-from studies.transfer.measures import bar, collect
-from studies.transfer.plan import MODELS, TransferConfig, TransferRun
+from realitygap.models.modelfile import load_models
+from realitygap.studies.altered import MODEL
+from realitygap.studies.experiment import HALVES
+from realitygap.studies.output import whole_file
+from realitygap.studies.paper import figures
+from realitygap.studies.paper.directory import StudyDirectory
+from realitygap.studies.paper.page import Picture, Section, Table, write_page
+from realitygap.studies.paper.report import write_csv
+from realitygap.studies.provenance import write_json
+from realitygap.studies.transfer import beliefs, words
+from realitygap.studies.transfer.alterations import Alteration
+from realitygap.studies.transfer.choices import TRIALS, choices, earnings
+from realitygap.studies.transfer.choices import Table as Earnings
+from realitygap.studies.transfer.compare import compare
+from realitygap.studies.transfer.measures import bar, collect
+from realitygap.studies.transfer.plan import MODELS, TransferConfig, TransferRun
 
 SCHEMA = 1
 COLOURS = {"minimal": "#9aa5b1", "extended": "#2a9d8f", "oracle": "#33658a"}

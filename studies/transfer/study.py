@@ -6,15 +6,21 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from studies.altered import AlteredRun, Files, run_altered
-from studies.execution import Workers
-from studies.manifest import Pieces, made
-from studies.paper.directory import StudyDirectory
-from studies.paper.execution import RunsFailed, execute
-from studies.progress import Stages
-from studies.transfer import beliefs, words
-from studies.transfer.plan import TransferConfig, TransferRun, log_config, model_origin, plan
-from studies.transfer.report import write_report
+from realitygap.studies.altered import AlteredRun, Files, run_altered
+from realitygap.studies.execution import Workers
+from realitygap.studies.manifest import Pieces, made
+from realitygap.studies.paper.directory import StudyDirectory
+from realitygap.studies.paper.execution import RunsFailed, execute
+from realitygap.studies.progress import Stages
+from realitygap.studies.transfer import beliefs, words
+from realitygap.studies.transfer.plan import (
+    TransferConfig,
+    TransferRun,
+    log_config,
+    model_origin,
+    plan,
+)
+from realitygap.studies.transfer.report import write_report
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from studies.transfer.alterations import Alteration
+from realitygap.studies.transfer.alterations import Alteration
 
 NOTHING = "nothing"
 

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from studies.blind import examiner
-from studies.blind.examiner import LOG, ask
-from studies.blind.record import diagnose
-from studies.experiment import RunConfig, simulate
+from realitygap.studies.blind import examiner
+from realitygap.studies.blind.examiner import LOG, ask
+from realitygap.studies.blind.record import diagnose
+from realitygap.studies.experiment import RunConfig, simulate
 from tests.helpers import ROOT, children, until, wait_until_gone
 
 
@@ -112,7 +112,7 @@ def test_an_examiner_ends_with_whoever_asked_and_its_fork_with_it(given: Path) -
 ASK = """
 import sys, threading
 from pathlib import Path
-from studies.blind import examiner
+from realitygap.studies.blind import examiner
 threading.Thread(target=examiner.ask, args=(Path(sys.argv[1]),), daemon=True).start()
 while examiner._examiner().process is None: pass
 print(examiner._examiner().process.pid, flush=True)

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from reality.effects import catalogue
-from studies.blind.examiner import LOG, ask
-from studies.blind.menu import MENU
-from studies.blind.record import record
-from studies.blind.scoring import Score, named, score
-from studies.blind.trials import Hidden, Trial
-from studies.blind.unlisted import FOLLOWS
-from studies.experiment import RunConfig
+from realitygap.reality.effects import catalogue
+from realitygap.studies.blind.examiner import LOG, ask
+from realitygap.studies.blind.menu import MENU
+from realitygap.studies.blind.record import record
+from realitygap.studies.blind.scoring import Score, named, score
+from realitygap.studies.blind.trials import Hidden, Trial
+from realitygap.studies.blind.unlisted import FOLLOWS
+from realitygap.studies.experiment import RunConfig
 
 ROBOTS = 10
 

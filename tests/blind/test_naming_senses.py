@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from studies.blind.trials import Hidden
+from realitygap.studies.blind.trials import Hidden
 from tests.blind.test_naming import check, hide, told
 
 

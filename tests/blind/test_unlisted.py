@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from reality import constants as k
-from reality.effects import catalogue, parse_effects
-from reality.world import World
-from studies.blind.menu import STRANGE
-from studies.blind.trials import Hidden, blind_config, plan
-from studies.blind.unlisted import FOLLOWS, UNLISTED
+from realitygap.reality import constants as k
+from realitygap.reality.effects import catalogue, parse_effects
+from realitygap.reality.world import World
+from realitygap.studies.blind.menu import STRANGE
+from realitygap.studies.blind.trials import Hidden, blind_config, plan
+from realitygap.studies.blind.unlisted import FOLLOWS, UNLISTED
 
 SPEED = 6.0 * k.WHEEL_RADIUS
 

@@ -16,9 +16,9 @@ WORKER = """
 import json, math, sys, warnings
 from dataclasses import fields, replace
 import numpy as np
-from embedded_sim import (
+from realitygap.embedded_sim import (
     Behaviour, Diverged, Drive, PointModel, Senses, Tables, evaluate, readings, replay)
-from models import load_model
+from realitygap.models import load_model
 
 warnings.simplefilter("error")
 BASE = load_model()

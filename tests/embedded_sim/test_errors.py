@@ -3,8 +3,8 @@ import pickle
 from hypothesis import given
 from hypothesis import strategies as st
 
-from embedded_sim import InputError
-from embedded_sim.errors import LONGEST, nearest, quoted, shown
+from realitygap.embedded_sim import InputError
+from realitygap.embedded_sim.errors import LONGEST, nearest, quoted, shown
 
 anything = st.text(st.characters(), max_size=300) | st.binary(max_size=300).map(
     lambda raw: raw.decode("utf-8", "surrogateescape")

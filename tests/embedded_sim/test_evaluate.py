@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from embedded_sim import (
+from realitygap.embedded_sim import (
     SENSOR_ANGLES,
     Behaviour,
     Drive,
@@ -18,8 +18,8 @@ from embedded_sim import (
     evaluate,
     readings,
 )
-from embedded_sim.simulator import FORMS, has_form
-from models import load_model
+from realitygap.embedded_sim.simulator import FORMS, has_form
+from realitygap.models import load_model
 
 SEARCH, POSITIVE, NEGATIVE = (0.5, 0.5), (0.9, 0.5), (0.1, 0.5)
 OPPOSITE, NO_LIGHT, AT_NEST = 0, 1, 2

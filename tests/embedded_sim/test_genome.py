@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from embedded_sim import Behaviour, evaluate
-from embedded_sim.breeding import Bred, CoEvolution
-from embedded_sim.genetics import next_controllers
-from embedded_sim.genome import CONTINUOUS, PAPER
-from embedded_sim.model import FloatArray
-from embedded_sim.onboard import Swarm
-from embedded_sim.reading import READINGS
-from models import load_model
+from realitygap.embedded_sim import Behaviour, evaluate
+from realitygap.embedded_sim.breeding import Bred, CoEvolution
+from realitygap.embedded_sim.genetics import next_controllers
+from realitygap.embedded_sim.genome import CONTINUOUS, PAPER
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.embedded_sim.onboard import Swarm
+from realitygap.embedded_sim.reading import READINGS
+from realitygap.models import load_model
 
 AT_NEST = 2
 NOMINAL = Behaviour()

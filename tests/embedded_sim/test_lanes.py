@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from embedded_sim import Behaviour, Drive, InputError, PointModel, Senses, evaluate
-from embedded_sim.simulator import FORMS, has_form
-from models import load_model
+from realitygap.embedded_sim import Behaviour, Drive, InputError, PointModel, Senses, evaluate
+from realitygap.embedded_sim.simulator import FORMS, has_form
+from realitygap.models import load_model
 
 BASE = load_model()
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from embedded_sim import Behaviour, InputError, breeding
-from embedded_sim.breeding import Bred, CoEvolution, Fixed
-from embedded_sim.model import FloatArray
-from embedded_sim.onboard import GENERATION_STEPS, Swarm
-from embedded_sim.reading import READINGS
-from embedded_sim.simulator import Evaluation
-from models import load_model
+from realitygap.embedded_sim import Behaviour, InputError, breeding
+from realitygap.embedded_sim.breeding import Bred, CoEvolution, Fixed
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.embedded_sim.onboard import GENERATION_STEPS, Swarm
+from realitygap.embedded_sim.reading import READINGS
+from realitygap.embedded_sim.simulator import Evaluation
+from realitygap.models import load_model
 
 SEARCH = Fixed((0.5, 0.5))
 

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from embedded_sim import CONTROL_STEP, InputError, PointModel
-from embedded_sim.model import FloatArray
-from embedded_sim.pilot import ARRIVED, PATIENCE, Pilot, fly
-from embedded_sim.probes import MENU, Lap, Probe, probe
+from realitygap.embedded_sim import CONTROL_STEP, InputError, PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.embedded_sim.pilot import ARRIVED, PATIENCE, Pilot, fly
+from realitygap.embedded_sim.probes import MENU, Lap, Probe, probe
 
 MODEL = PointModel()
 ROBOTS = 10

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from embedded_sim import Diverged, Drive, InputError, replay
+from realitygap.embedded_sim import Diverged, Drive, InputError, replay
 
 speeds = st.floats(-7.0, 7.0)
 

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from embedded_sim import SENSOR_ANGLES, PointModel, Senses, readings
-from models import load_model
+from realitygap.embedded_sim import SENSOR_ANGLES, PointModel, Senses, readings
+from realitygap.models import load_model
 
 OPPOSITE, NO_LIGHT, AT_NEST = 0, 1, 2
 NOMINAL = load_model()

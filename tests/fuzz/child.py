@@ -13,8 +13,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import NamedTuple
 
-from embedded_sim import InputError
-from embedded_sim.errors import Diverged
+from realitygap.embedded_sim import InputError
+from realitygap.embedded_sim.errors import Diverged
 
 MEMORY = 4 * 2**30
 """bytes of addresses the process may have; the libraries alone take one and a half GiB."""

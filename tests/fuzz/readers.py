@@ -14,22 +14,22 @@ from unittest import mock
 import numpy as np
 import pandas as pd
 
-from embedded_sim import Drive, InputError
-from models.formats.mapped import read_mapped
-from models.formats.mrclam import read_mrclam
-from models.formats.optiodom import TICKS_PER_TURN, read_optiodom
-from models.log import make_log, read_log
-from models.modelfile import ROBOTS, find_model_file, load_common, read_model_file
-from models.reference import DIRECTORY, read_reference
-from models.senses.reference import DIRECTORY as SENSES
-from models.senses.reference import read_sense_reference
-from models.tables import load_tables
-from reality.effects import parse_effects
-from studies.fitness_gap.by_third import coevolution_gap
-from studies.fitness_gap.generations import read_generations
-from studies.gain.food import food_lines, read_transfer
-from studies.gain.held_out import _kind
-from studies.gain.truth import hidden_in
+from realitygap.embedded_sim import Drive, InputError
+from realitygap.models.formats.mapped import read_mapped
+from realitygap.models.formats.mrclam import read_mrclam
+from realitygap.models.formats.optiodom import TICKS_PER_TURN, read_optiodom
+from realitygap.models.log import make_log, read_log
+from realitygap.models.modelfile import ROBOTS, find_model_file, load_common, read_model_file
+from realitygap.models.reference import DIRECTORY, read_reference
+from realitygap.models.senses.reference import DIRECTORY as SENSES
+from realitygap.models.senses.reference import read_sense_reference
+from realitygap.models.tables import load_tables
+from realitygap.reality.effects import parse_effects
+from realitygap.studies.fitness_gap.by_third import coevolution_gap
+from realitygap.studies.fitness_gap.generations import read_generations
+from realitygap.studies.gain.food import food_lines, read_transfer
+from realitygap.studies.gain.held_out import _kind
+from realitygap.studies.gain.truth import hidden_in
 from tests.models.small import arena_log, driven_log
 
 DRIVE = Drive()
@@ -247,16 +247,16 @@ class Begun(Exception):
 
 
 WORK = (
-    "studies.experiment.simulate",
-    "reality.capture.capture",
-    "studies.demo.chapters.tell",
-    "studies.diagnosis_files.diagnose_files",
-    "studies.gain.measure.measure_gain",
-    "studies.reference_files.write_reference_of",
-    "studies.paper.study.run_study",
-    "studies.blind.battery.run_battery",
-    "studies.transfer.study.run_transfer",
-    "models.gap.measure_gap",
+    "realitygap.studies.experiment.simulate",
+    "realitygap.reality.capture.capture",
+    "realitygap.studies.demo.chapters.tell",
+    "realitygap.studies.diagnosis_files.diagnose_files",
+    "realitygap.studies.gain.measure.measure_gain",
+    "realitygap.studies.reference_files.write_reference_of",
+    "realitygap.studies.paper.study.run_study",
+    "realitygap.studies.blind.battery.run_battery",
+    "realitygap.studies.transfer.study.run_transfer",
+    "realitygap.models.gap.measure_gap",
 )
 """What takes time, and begins only after all words were checked."""
 
@@ -267,7 +267,7 @@ def _words(words: Sequence[str]) -> object:
 
     import typer
 
-    from studies.cli import _UsageError, app
+    from realitygap.studies.cli import _UsageError, app
 
     patches = []
     for name in WORK:

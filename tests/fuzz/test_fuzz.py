@@ -17,9 +17,9 @@ import typer.main
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from reality.effects import catalogue
-from reality.effects.effect import Parameter
-from studies.cli import app
+from realitygap.reality.effects import catalogue
+from realitygap.reality.effects.effect import Parameter
+from realitygap.studies.cli import app
 from tests.fuzz.child import Child
 from tests.fuzz.corpus import CORPUS, LOGS, SLOW, SPECS, WORDS
 from tests.fuzz.damage import damaged, edits

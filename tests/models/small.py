@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim import Drive, PointModel, Tables, readings, replay
-from embedded_sim.model import FloatArray
+from realitygap.embedded_sim import Drive, PointModel, Tables, readings, replay
+from realitygap.embedded_sim.model import FloatArray
 
 ROOT = Path(__file__).parents[2]
 

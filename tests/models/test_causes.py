@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from embedded_sim import Drive, InputError
-from models.causes import Cause, Motion, causes
-from models.extension import Extension, NamedCause, ParameterValue
-from models.modelfile import ModelFile, Robot, read_model_file
+from realitygap.embedded_sim import Drive, InputError
+from realitygap.models.causes import Cause, Motion, causes
+from realitygap.models.extension import Extension, NamedCause, ParameterValue
+from realitygap.models.modelfile import ModelFile, Robot, read_model_file
 
 BASE = Motion(drive=Drive(time_constant=0.01, acceleration=(150.0, 150.0)))
 NAMES = sorted(causes())
@@ -60,7 +60,7 @@ def test_a_coordinate_survives_the_way_to_a_value_and_back(name: str, u: float) 
 
 
 def test_every_motion_effect_has_a_cause_with_the_same_keys() -> None:
-    from reality.effects import catalogue
+    from realitygap.reality.effects import catalogue
 
     for name, effect in catalogue().items():
         if name in causes():

@@ -13,28 +13,28 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from embedded_sim import Drive
-from models import claims
-from models.ahead import Ahead
-from models.blocks import Better, better, interval
-from models.causes import Motion, causes
-from models.claims import FAR, bounded, claimed
-from models.conditions import conditions
-from models.diagnosis import Diagnosis, as_json, extension
-from models.extended import as_written, extended_text, read_back
-from models.harm import Predictions, harmless
-from models.held_out import parts
-from models.identify.detectable import _coordinates, _dose, rare
-from models.identify.diagnose import diagnose
-from models.identify.fit import Problem
-from models.identify.fitted import Fitted, Told, refitted
-from models.identify.hypothesis import Term
-from models.identify.screen import Glance
-from models.identify.tracks import cut_tracks
-from models.identify.value import Value
-from models.log import MeasuredLog, make_log
-from models.prediction import prediction_errors
-from models.written import written
+from realitygap.embedded_sim import Drive
+from realitygap.models import claims
+from realitygap.models.ahead import Ahead
+from realitygap.models.blocks import Better, better, interval
+from realitygap.models.causes import Motion, causes
+from realitygap.models.claims import FAR, bounded, claimed
+from realitygap.models.conditions import conditions
+from realitygap.models.diagnosis import Diagnosis, as_json, extension
+from realitygap.models.extended import as_written, extended_text, read_back
+from realitygap.models.harm import Predictions, harmless
+from realitygap.models.held_out import parts
+from realitygap.models.identify.detectable import _coordinates, _dose, rare
+from realitygap.models.identify.diagnose import diagnose
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.fitted import Fitted, Told, refitted
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.screen import Glance
+from realitygap.models.identify.tracks import cut_tracks
+from realitygap.models.identify.value import Value
+from realitygap.models.log import MeasuredLog, make_log
+from realitygap.models.prediction import prediction_errors
+from realitygap.models.written import written
 from tests.models.small import driven_log
 from tests.models.test_diagnosis import named
 from tests.models.test_identify import HEALTHY, MODEL, diagnosed, names, reference, table

@@ -7,11 +7,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from models.modelfile import read_model_file
-from models.senses.cause import Belief
-from models.senses.causes import sense_causes
-from models.senses.claims import sense_claims
-from models.senses.diagnose import SenseExamination
+from realitygap.models.modelfile import read_model_file
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.causes import sense_causes
+from realitygap.models.senses.claims import sense_claims
+from realitygap.models.senses.diagnose import SenseExamination
 from tests.models.test_senses import MODEL, examined, table
 
 FILE = read_model_file("epuck")

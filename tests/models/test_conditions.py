@@ -2,9 +2,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim import Drive
-from models.conditions import NEAR_ROBOT, NEAR_WALL, clear, nearest_robot
-from models.log import make_log
+from realitygap.embedded_sim import Drive
+from realitygap.models.conditions import NEAR_ROBOT, NEAR_WALL, clear, nearest_robot
+from realitygap.models.log import make_log
 from tests.models.small import driven_log
 
 DRIVE = Drive()

@@ -7,16 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from embedded_sim import InputError
-from models.causes import causes
-from models.diagnosis import Diagnosis, Unexplained, as_json, extension
-from models.identify.choice import Evidence
-from models.identify.hypothesis import Term
-from models.identify.swarm import Named
-from models.identify.value import Value
-from models.modelfile import find_model_file, load_models, read_model_file
-from models.proposal.menu import Option, Proposal
-from models.reference import (
+from realitygap.embedded_sim import InputError
+from realitygap.models.causes import causes
+from realitygap.models.diagnosis import Diagnosis, Unexplained, as_json, extension
+from realitygap.models.identify.choice import Evidence
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.swarm import Named
+from realitygap.models.identify.value import Value
+from realitygap.models.modelfile import find_model_file, load_models, read_model_file
+from realitygap.models.proposal.menu import Option, Proposal
+from realitygap.models.reference import (
     Reference,
     Spread,
     no_reference,
@@ -24,8 +24,8 @@ from models.reference import (
     shipped_reference,
     write_reference,
 )
-from studies.diagnosis_files import write_extended
-from studies.diagnosis_words import verdict_sentence
+from realitygap.studies.diagnosis_files import write_extended
+from realitygap.studies.diagnosis_words import verdict_sentence
 
 
 def named(*, rivals: tuple[Term, ...] = (), twins: tuple[Term, ...] = ()) -> Named:

@@ -11,15 +11,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from embedded_sim import Behaviour, Drive, InputError, evaluate, readings, replay
-from models.believed import motions, replay_believed
-from models.catalogue import every_cause
-from models.causes import Cause, Motion
-from models.extension import Extension, NamedCause, ParameterValue
-from models.gap import measure_gap
-from models.log import MeasuredLog, make_log
-from models.modelfile import ModelFile, load_model, read_model_file
-from models.replay import replay_log
+from realitygap.embedded_sim import Behaviour, Drive, InputError, evaluate, readings, replay
+from realitygap.models.believed import motions, replay_believed
+from realitygap.models.catalogue import every_cause
+from realitygap.models.causes import Cause, Motion
+from realitygap.models.extension import Extension, NamedCause, ParameterValue
+from realitygap.models.gap import measure_gap
+from realitygap.models.log import MeasuredLog, make_log
+from realitygap.models.modelfile import ModelFile, load_model, read_model_file
+from realitygap.models.replay import replay_log
 from tests.models.small import arena_log, driven_log, random_commands
 
 EPUCK = read_model_file("epuck")
@@ -230,7 +230,7 @@ def test_a_robot_that_a_log_does_not_have_is_refused() -> None:
 
 
 def test_what_the_extension_says_is_no_fault_any_more() -> None:
-    from models.identify.diagnose import diagnose
+    from realitygap.models.identify.diagnose import diagnose
 
     log = log_of({0: Drive(), 1: Drive(wheel_radius=(0.0200, 0.0210))})
     in_the_open = EPUCK.model_copy(update={"arena": None})

@@ -2,15 +2,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim import InputError, replay
-from models.formats.joined import join
-from models.formats.mapped import read_mapped
-from models.formats.mrclam import read_mrclam
-from models.horizons import horizon_errors
-from models.log import make_log
-from models.modelfile import load_model
-from models.noise import PoseNoise
-from models.replay import replay_log
+from realitygap.embedded_sim import InputError, replay
+from realitygap.models.formats.joined import join
+from realitygap.models.formats.mapped import read_mapped
+from realitygap.models.formats.mrclam import read_mrclam
+from realitygap.models.horizons import horizon_errors
+from realitygap.models.log import make_log
+from realitygap.models.modelfile import load_model
+from realitygap.models.noise import PoseNoise
+from realitygap.models.replay import replay_log
 from tests.models.small import driven_log, random_commands
 
 CREATE = load_model("create", sensors="ignored").drive

@@ -4,11 +4,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from embedded_sim import Drive, InputError, PointModel
-from models.gap import LEVEL, measure_gap
-from models.log import make_log
-from models.modelfile import read_model_file
-from models.motion_gap import condition_bins
+from realitygap.embedded_sim import Drive, InputError, PointModel
+from realitygap.models.gap import LEVEL, measure_gap
+from realitygap.models.log import make_log
+from realitygap.models.modelfile import read_model_file
+from realitygap.models.motion_gap import condition_bins
 from tests.models.small import arena_log, driven_log, tables
 
 EPUCK = read_model_file("epuck")

@@ -9,19 +9,19 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim import Drive, replay
-from models.causes import Motion, causes
-from models.diagnosis import Diagnosis, alternatives, as_json
-from models.identify.diagnose import diagnose
-from models.identify.fit import Problem
-from models.identify.healthy import fit_inherent, fit_terms, make_reference
-from models.identify.hypothesis import Term
-from models.identify.inherent import INHERENT
-from models.identify.predict import poses, wheel_angles
-from models.identify.tracks import Tracks, cut_tracks
-from models.log import make_log
-from models.modelfile import read_model_file
-from models.reference import Reference
+from realitygap.embedded_sim import Drive, replay
+from realitygap.models.causes import Motion, causes
+from realitygap.models.diagnosis import Diagnosis, alternatives, as_json
+from realitygap.models.identify.diagnose import diagnose
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.healthy import fit_inherent, fit_terms, make_reference
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.inherent import INHERENT
+from realitygap.models.identify.predict import poses, wheel_angles
+from realitygap.models.identify.tracks import Tracks, cut_tracks
+from realitygap.models.log import make_log
+from realitygap.models.modelfile import read_model_file
+from realitygap.models.reference import Reference
 from tests.models.small import driven_log
 
 MODEL = read_model_file("epuck").model_copy(update={"arena": None})

@@ -8,15 +8,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim import replay
-from models.causes import Motion, causes
-from models.causes.command_latency import FEIGNS
-from models.identify.fit import Problem
-from models.identify.hypothesis import Term
-from models.identify.plain import replaced
-from models.identify.select import _Search
-from models.identify.structure import follows
-from models.identify.tracks import TURNED
+from realitygap.embedded_sim import replay
+from realitygap.models.causes import Motion, causes
+from realitygap.models.causes.command_latency import FEIGNS
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.plain import replaced
+from realitygap.models.identify.select import _Search
+from realitygap.models.identify.structure import follows
+from realitygap.models.identify.tracks import TURNED
 from tests.models.small import random_commands
 from tests.models.test_identify import HEALTHY, diagnosed, names, reference, table, tracks
 

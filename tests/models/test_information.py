@@ -7,11 +7,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from embedded_sim.model import FloatArray
-from models.causes import causes
-from models.identify.hypothesis import Term
-from models.identify.measure import distance
-from models.information import inverted
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import causes
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.measure import distance
+from realitygap.models.information import inverted
 
 QUIET = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
 SIZES = st.integers(0, 6)

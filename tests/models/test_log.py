@@ -2,8 +2,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim import Drive, InputError
-from models.log import make_log, read_log, write_table
+from realitygap.embedded_sim import Drive, InputError
+from realitygap.models.log import make_log, read_log, write_table
 from tests.models.small import driven_log
 
 DRIVE = Drive()

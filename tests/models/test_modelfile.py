@@ -3,9 +3,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from embedded_sim import Behaviour, InputError, PointModel, evaluate, readings
-from models.modelfile import SHIPPED, find_model_file, load_model, load_models, read_model_file
-from models.tables import save_tables
+from realitygap.embedded_sim import Behaviour, InputError, PointModel, evaluate, readings
+from realitygap.models.modelfile import (
+    SHIPPED,
+    find_model_file,
+    load_model,
+    load_models,
+    read_model_file,
+)
+from realitygap.models.tables import save_tables
 from tests.models.small import tables
 
 EPUCK = "[robot]\nwheel_radius = 0.02\naxle = 0.05\nbody_radius = 0.03\nwheel_speed_max = 6.0\n"

@@ -2,12 +2,12 @@ import os
 
 import pytest
 
-from embedded_sim import InputError
-from models.log import read_table
-from models.modelfile import read_model_file
-from models.opened import DEEPEST, MOST_TOML, opened, parsing, toml_values
-from models.reference import read_reference
-from models.tables import load_tables
+from realitygap.embedded_sim import InputError
+from realitygap.models.log import read_table
+from realitygap.models.modelfile import read_model_file
+from realitygap.models.opened import DEEPEST, MOST_TOML, opened, parsing, toml_values
+from realitygap.models.reference import read_reference
+from realitygap.models.tables import load_tables
 
 READERS = {
     ".toml": read_model_file,

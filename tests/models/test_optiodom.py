@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
 
-from embedded_sim import InputError
-from models.formats.optiodom import read_optiodom
-from models.horizons import horizon_errors
-from models.identify.diagnose import diagnose
-from models.log import make_log
-from models.modelfile import load_model, read_model_file
-from models.noise import PoseNoise
-from models.replay import HORIZONS, replay_log
+from realitygap.embedded_sim import InputError
+from realitygap.models.formats.optiodom import read_optiodom
+from realitygap.models.horizons import horizon_errors
+from realitygap.models.identify.diagnose import diagnose
+from realitygap.models.log import make_log
+from realitygap.models.modelfile import load_model, read_model_file
+from realitygap.models.noise import PoseNoise
+from realitygap.models.replay import HORIZONS, replay_log
 from tests.models.small import shared_data
 
 SESSIONS = [

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from embedded_sim import Drive
-from models.causes import Motion
-from models.identify.predict import poses
-from models.identify.tracks import cut_tracks
-from models.log import make_log
-from models.modelfile import read_model_file
+from realitygap.embedded_sim import Drive
+from realitygap.models.causes import Motion
+from realitygap.models.identify.predict import poses
+from realitygap.models.identify.tracks import cut_tracks
+from realitygap.models.log import make_log
+from realitygap.models.modelfile import read_model_file
 from tests.models.small import driven_log
 
 MODEL = read_model_file("epuck").model_copy(update={"arena": None})

@@ -9,25 +9,25 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from embedded_sim import Drive, PointModel
-from embedded_sim.probes import MENU
-from models.catalogue import every_cause
-from models.causes import Motion, causes
-from models.diagnosis import alternatives
-from models.identify.candidates import candidates
-from models.identify.diagnose import diagnose
-from models.identify.fit import Problem
-from models.identify.hypothesis import Fit, Term
-from models.identify.inherent import INHERENT
-from models.log import make_log
-from models.modelfile import read_model_file
-from models.proposal import motion
-from models.proposal.menu import ENOUGH, Proposal, distance, flights, ranked
-from models.proposal.propose import with_proposal
-from models.reference import Reference, Spread, no_reference
-from models.repertoire import manoeuvres
-from models.senses import nest
-from models.senses.joined import with_senses
+from realitygap.embedded_sim import Drive, PointModel
+from realitygap.embedded_sim.probes import MENU
+from realitygap.models.catalogue import every_cause
+from realitygap.models.causes import Motion, causes
+from realitygap.models.diagnosis import alternatives
+from realitygap.models.identify.candidates import candidates
+from realitygap.models.identify.diagnose import diagnose
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.hypothesis import Fit, Term
+from realitygap.models.identify.inherent import INHERENT
+from realitygap.models.log import make_log
+from realitygap.models.modelfile import read_model_file
+from realitygap.models.proposal import motion
+from realitygap.models.proposal.menu import ENOUGH, Proposal, distance, flights, ranked
+from realitygap.models.proposal.propose import with_proposal
+from realitygap.models.reference import Reference, Spread, no_reference
+from realitygap.models.repertoire import manoeuvres
+from realitygap.models.senses import nest
+from realitygap.models.senses.joined import with_senses
 from tests.models.small import driven_log
 
 MODEL = read_model_file("epuck")
@@ -57,7 +57,7 @@ def apart(
 
 
 def examined_log() -> motion.Tracks:
-    from models.identify.tracks import cut_tracks
+    from realitygap.models.identify.tracks import cut_tracks
 
     frame = driven_log(1, robots=2, rows=300, position_noise=5e-4, heading_noise=5e-3)
     plain = MODEL.model_copy(update={"arena": None})

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from embedded_sim import Drive
-from models.frames import Windows
-from models.log import make_log
-from models.replay import HORIZONS, errors, replay_log, windows
+from realitygap.embedded_sim import Drive
+from realitygap.models.frames import Windows
+from realitygap.models.log import make_log
+from realitygap.models.replay import HORIZONS, errors, replay_log, windows
 from tests.models.small import driven_log
 
 DRIVE = Drive()

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from embedded_sim.model import FloatArray
-from models.identify.residual import Fitter
-from models.identify.structure import _Steps
-from models.identify.tracks import Tracks
-from models.noise import PoseNoise
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.residual import Fitter
+from realitygap.models.identify.structure import _Steps
+from realitygap.models.identify.tracks import Tracks
+from realitygap.models.noise import PoseNoise
 
 QUIET = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
 STEP = 1e-6

@@ -9,26 +9,26 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim import InputError, PointModel, readings, replay
-from embedded_sim.senses import Senses
-from models import load_model
-from models.extension import NamedCause, ParameterValue
-from models.log import make_log
-from models.modelfile import read_model_file
-from models.schema import LS, PS
-from models.senses.cause import Belief
-from models.senses.causes import sense_causes
-from models.senses.diagnose import SenseExamination, diagnose_senses
-from models.senses.neighbours import Neighbours
-from models.senses.problem import Problem, Term
-from models.senses.reference import (
+from realitygap.embedded_sim import InputError, PointModel, readings, replay
+from realitygap.embedded_sim.senses import Senses
+from realitygap.models import load_model
+from realitygap.models.extension import NamedCause, ParameterValue
+from realitygap.models.log import make_log
+from realitygap.models.modelfile import read_model_file
+from realitygap.models.schema import LS, PS
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.causes import sense_causes
+from realitygap.models.senses.diagnose import SenseExamination, diagnose_senses
+from realitygap.models.senses.neighbours import Neighbours
+from realitygap.models.senses.problem import Problem, Term
+from realitygap.models.senses.reference import (
     no_sense_reference,
     read_sense_reference,
     shipped_sense_reference,
     write_sense_reference,
 )
-from models.senses.sight import look
-from reality.effects import catalogue
+from realitygap.models.senses.sight import look
+from realitygap.reality.effects import catalogue
 
 MODEL = load_model()
 ROBOTS, SECONDS, STEP = 4, 60.0, 0.04

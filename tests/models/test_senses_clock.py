@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from models.causes import ALL, causes
-from models.causes.withheld import without
-from models.diagnosis import Unexplained
-from models.identify.choice import Evidence
-from models.identify.hypothesis import Term
-from models.identify.swarm import Named
-from models.identify.value import Value
-from models.log import make_log
-from models.senses.cause import Belief
-from models.senses.clock import Shift, shifts, told_apart
-from models.senses.problem import Problem
-from models.senses.reference import Level
-from models.senses.sight import look
+from realitygap.models.causes import ALL, causes
+from realitygap.models.causes.withheld import without
+from realitygap.models.diagnosis import Unexplained
+from realitygap.models.identify.choice import Evidence
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.swarm import Named
+from realitygap.models.identify.value import Value
+from realitygap.models.log import make_log
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.clock import Shift, shifts, told_apart
+from realitygap.models.senses.problem import Problem
+from realitygap.models.senses.reference import Level
+from realitygap.models.senses.sight import look
 from tests.models.test_senses import MODEL, STEP, table
 
 HEALTHY = Level(sd=0.001)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from models.log import make_log
-from models.schema import LS
-from models.senses.cause import Belief
-from models.senses.direct import dead_light
-from models.senses.leap import far_leap
-from models.senses.predicted import predict
-from models.senses.problem import Problem
-from models.senses.sight import look
+from realitygap.models.log import make_log
+from realitygap.models.schema import LS
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.direct import dead_light
+from realitygap.models.senses.leap import far_leap
+from realitygap.models.senses.predicted import predict
+from realitygap.models.senses.problem import Problem
+from realitygap.models.senses.sight import look
 from tests.models.test_senses import HEALTHY, MODEL, ROBOTS, examined, names, table, with_senses
 
 FAR = [

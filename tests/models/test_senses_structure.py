@@ -6,11 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.causes.withheld import without
-from models.diagnosis import Unexplained
-from models.schema import LS, PS
-from models.senses.diagnose import SenseExamination
-from models.senses.structure_health import of_healthy
+from realitygap.models.causes.withheld import without
+from realitygap.models.diagnosis import Unexplained
+from realitygap.models.schema import LS, PS
+from realitygap.models.senses.diagnose import SenseExamination
+from realitygap.models.senses.structure_health import of_healthy
 from tests.models.test_senses import MODEL, examined, names, table, with_senses
 
 

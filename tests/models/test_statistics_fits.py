@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 from scipy.linalg import hadamard
 
-from embedded_sim.model import FloatArray
+from realitygap.embedded_sim.model import FloatArray
 from tests.models.toys import ENGINES, fit_motion
 
 SMALL = 0.01

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from embedded_sim import Drive, InputError
-from models.conditions import Bins
-from models.flips import residual_maps, scores
-from models.frames import Windows
-from models.log import make_log
-from models.motion_gap import _unshrunk
-from models.noise import PoseNoise
-from models.replay import errors
-from models.spread import excess
+from realitygap.embedded_sim import Drive, InputError
+from realitygap.models.conditions import Bins
+from realitygap.models.flips import residual_maps, scores
+from realitygap.models.frames import Windows
+from realitygap.models.log import make_log
+from realitygap.models.motion_gap import _unshrunk
+from realitygap.models.noise import PoseNoise
+from realitygap.models.replay import errors
+from realitygap.models.spread import excess
 from tests.models.small import driven_log
 
 

@@ -7,15 +7,15 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from embedded_sim import Drive
-from embedded_sim.model import FloatArray
-from models.identify import healthy as motion
-from models.identify.hypothesis import Fit
-from models.identify.structure import pool
-from models.reference import Spread, no_reference
-from models.senses import health as senses
-from models.senses.reference import no_sense_reference
-from models.senses.structure_health import _band, of_healthy
+from realitygap.embedded_sim import Drive
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify import healthy as motion
+from realitygap.models.identify.hypothesis import Fit
+from realitygap.models.identify.structure import pool
+from realitygap.models.reference import Spread, no_reference
+from realitygap.models.senses import health as senses
+from realitygap.models.senses.reference import no_sense_reference
+from realitygap.models.senses.structure_health import _band, of_healthy
 from tests.models.toys import motion_term
 
 SWARMS, ROBOTS = 60, 10

@@ -9,23 +9,23 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from embedded_sim import Drive
-from embedded_sim.model import FloatArray
-from models.identify import feigned as feigning
-from models.identify.choice import Choice, Evidence
-from models.identify.feigned import believable
-from models.identify.hypothesis import Term as MotionTerm
-from models.identify.measure import distance
-from models.identify.select import _Search
-from models.identify.swarm import _common
-from models.identify.value import values
-from models.reference import Gates, Reference, Spread, no_reference
-from models.senses import diagnose as sense_diagnosis
-from models.senses import naming, select
-from models.senses.causes import sense_causes
-from models.senses.problem import SWARM, Term
-from models.senses.reference import Level, away, no_sense_reference
-from models.senses.select import Found
+from realitygap.embedded_sim import Drive
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify import feigned as feigning
+from realitygap.models.identify.choice import Choice, Evidence
+from realitygap.models.identify.feigned import believable
+from realitygap.models.identify.hypothesis import Term as MotionTerm
+from realitygap.models.identify.measure import distance
+from realitygap.models.identify.select import _Search
+from realitygap.models.identify.swarm import _common
+from realitygap.models.identify.value import values
+from realitygap.models.reference import Gates, Reference, Spread, no_reference
+from realitygap.models.senses import diagnose as sense_diagnosis
+from realitygap.models.senses import naming, select
+from realitygap.models.senses.causes import sense_causes
+from realitygap.models.senses.problem import SWARM, Term
+from realitygap.models.senses.reference import Level, away, no_sense_reference
+from realitygap.models.senses.select import Found
 from tests.models.toys import MotionToy, SenseToy, motion_term, sense_term
 
 NO_COMMANDS = np.ones((1, 2))

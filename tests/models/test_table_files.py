@@ -6,9 +6,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from embedded_sim import InputError
-from models import table_files
-from models.table_files import read_csv, read_parquet
+from realitygap.embedded_sim import InputError
+from realitygap.models import table_files
+from realitygap.models.table_files import read_csv, read_parquet
 from tests.models.small import driven_log
 
 

@@ -3,8 +3,8 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from embedded_sim import InputError
-from models.tables import load_tables, save_tables
+from realitygap.embedded_sim import InputError
+from realitygap.models.tables import load_tables, save_tables
 from tests.models.small import tables
 
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from embedded_sim import Drive
-from models.causes import Motion
-from models.identify import tracks as cutting
-from models.identify.fit import Problem
-from models.identify.tracks import Tracks, cut_tracks
-from models.log import make_log
-from models.modelfile import read_model_file
+from realitygap.embedded_sim import Drive
+from realitygap.models.causes import Motion
+from realitygap.models.identify import tracks as cutting
+from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.tracks import Tracks, cut_tracks
+from realitygap.models.log import make_log
+from realitygap.models.modelfile import read_model_file
 from tests.models.small import driven_log
 
 MODEL = read_model_file("epuck").model_copy(update={"arena": None})

@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from embedded_sim import Drive
-from embedded_sim.senses import Senses
-from models.causes.cause import Parameter
-from models.identify.diagnose import diagnose
-from models.log import make_log
-from models.schema import PS
-from models.senses.cause import Belief, SenseCause
-from models.senses.causes import sense_causes
-from models.senses.diagnose import SenseExamination, diagnose_senses
-from models.senses.naming import noise_named
-from models.senses.reference import SenseReference, shipped_sense_reference
+from realitygap.embedded_sim import Drive
+from realitygap.embedded_sim.senses import Senses
+from realitygap.models.causes.cause import Parameter
+from realitygap.models.identify.diagnose import diagnose
+from realitygap.models.log import make_log
+from realitygap.models.schema import PS
+from realitygap.models.senses.cause import Belief, SenseCause
+from realitygap.models.senses.causes import sense_causes
+from realitygap.models.senses.diagnose import SenseExamination, diagnose_senses
+from realitygap.models.senses.naming import noise_named
+from realitygap.models.senses.reference import SenseReference, shipped_sense_reference
 from tests.models.test_identify import HEALTHY, diagnosed, names, reference, table
 from tests.models.test_identify import MODEL as PLAIN
 from tests.models.test_senses import MODEL

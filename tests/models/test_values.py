@@ -10,24 +10,24 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from embedded_sim.senses import Senses
-from models.catalogue import every_cause
-from models.causes import Cause, Motion
-from models.causes.command_latency import CAUSE as LATENCY
-from models.diagnosis import Diagnosis, as_json, extension
-from models.extension import NamedCause, ParameterValue
-from models.identify.choice import Evidence
-from models.identify.hypothesis import Term
-from models.identify.swarm import Named
-from models.identify.value import values
-from models.senses.cause import Belief, SenseCause
-from models.senses.causes import sense_causes
-from models.senses.clock import Shift, told_apart
-from models.senses.naming import fitted_named, noise_named
-from models.senses.problem import SWARM
-from models.senses.problem import Term as SenseTerm
-from models.senses.reference import Level, no_sense_reference
-from models.senses.select import Found
+from realitygap.embedded_sim.senses import Senses
+from realitygap.models.catalogue import every_cause
+from realitygap.models.causes import Cause, Motion
+from realitygap.models.causes.command_latency import CAUSE as LATENCY
+from realitygap.models.diagnosis import Diagnosis, as_json, extension
+from realitygap.models.extension import NamedCause, ParameterValue
+from realitygap.models.identify.choice import Evidence
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.swarm import Named
+from realitygap.models.identify.value import values
+from realitygap.models.senses.cause import Belief, SenseCause
+from realitygap.models.senses.causes import sense_causes
+from realitygap.models.senses.clock import Shift, told_apart
+from realitygap.models.senses.naming import fitted_named, noise_named
+from realitygap.models.senses.problem import SWARM
+from realitygap.models.senses.problem import Term as SenseTerm
+from realitygap.models.senses.reference import Level, no_sense_reference
+from realitygap.models.senses.select import Found
 
 QUIET = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
 TERMS = [(name, v) for name, cause in every_cause().items() for v in cause.variants]
@@ -143,8 +143,8 @@ def test_noise_that_few_robots_tell_is_told_in_numbers(
 
 
 def test_a_clock_far_too_early_is_not_called_a_latency_that_cannot_be() -> None:
-    from models.causes.clock_offset import CAUSE as CLOCK
-    from models.identify.value import Value
+    from realitygap.models.causes.clock_offset import CAUSE as CLOCK
+    from realitygap.models.identify.value import Value
 
     term = Term(CLOCK, "")
     evidence = Evidence(

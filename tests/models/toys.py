@@ -13,19 +13,19 @@ from typing import Any
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes import Cause, Motion, Parameter
-from models.identify.fit import Problem as MotionProblem
-from models.identify.hypothesis import Term as MotionTerm
-from models.identify.residual import DEGREES as MOTION_DEGREES
-from models.identify.tracks import BLOCK_WINDOWS, Tracks
-from models.noise import PoseNoise
-from models.senses.cause import SenseCause
-from models.senses.problem import DEGREES as SENSE_DEGREES
-from models.senses.problem import FOLDS as SENSE_FOLDS
-from models.senses.problem import Problem as SenseProblem
-from models.senses.problem import Term as SenseTerm
-from models.senses.sight import Rows
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Cause, Motion, Parameter
+from realitygap.models.identify.fit import Problem as MotionProblem
+from realitygap.models.identify.hypothesis import Term as MotionTerm
+from realitygap.models.identify.residual import DEGREES as MOTION_DEGREES
+from realitygap.models.identify.tracks import BLOCK_WINDOWS, Tracks
+from realitygap.models.noise import PoseNoise
+from realitygap.models.senses.cause import SenseCause
+from realitygap.models.senses.problem import DEGREES as SENSE_DEGREES
+from realitygap.models.senses.problem import FOLDS as SENSE_FOLDS
+from realitygap.models.senses.problem import Problem as SenseProblem
+from realitygap.models.senses.problem import Term as SenseTerm
+from realitygap.models.senses.sight import Rows
 
 WIDE = 1e6
 """Bounds that no toy reaches."""

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from reality import constants as k
-from reality.effects import parse_effects
-from reality.world import World
+from realitygap.reality import constants as k
+from realitygap.reality.effects import parse_effects
+from realitygap.reality.world import World
 
 FloatArray = npt.NDArray[np.float64]
 Commands = Callable[[int], tuple[float, float]]

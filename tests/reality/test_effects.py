@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from embedded_sim import InputError
-from reality.effects import catalogue, parse_effects
-from reality.effects.effect import Effect
-from reality.world import World
+from realitygap.embedded_sim import InputError
+from realitygap.reality.effects import catalogue, parse_effects
+from realitygap.reality.effects.effect import Effect
+from realitygap.reality.world import World
 
 SPECS = {
     "wheel_radius_mismatch": ("ratio",),

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from reality import constants as k
+from realitygap.reality import constants as k
 from tests.reality.hidden import FULL, SPEED, drive, rest, spin, straight
 
 

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from embedded_sim import SENSOR_ANGLES
-from reality import constants as k
-from reality.effects import parse_effects
-from reality.world import World
+from realitygap.embedded_sim import SENSOR_ANGLES
+from realitygap.reality import constants as k
+from realitygap.reality.effects import parse_effects
+from realitygap.reality.world import World
 from tests.reality.hidden import drive, readings, straight
 
 NO_LIGHT, AT_NEST = 1, 2

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from reality import constants as k
-from studies.convergence import (
+from realitygap.reality import constants as k
+from realitygap.studies.convergence import (
     CHOSEN,
     Setting,
     converged,

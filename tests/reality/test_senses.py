@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from embedded_sim import SENSOR_ANGLES
-from reality import constants as k
-from reality.engine import Engine
-from reality.hardware import Hardware
-from reality.senses import Infrared, Light, Radio, Tracker
+from realitygap.embedded_sim import SENSOR_ANGLES
+from realitygap.reality import constants as k
+from realitygap.reality.engine import Engine
+from realitygap.reality.hardware import Hardware
+from realitygap.reality.senses import Infrared, Light, Radio, Tracker
 
 AMPLITUDE = [counts * k.IR_OFFSET**2 for counts in k.IR_CONTACT_COUNTS]
 OPPOSITE, NO_LIGHT, AT_NEST = 0, 1, 2

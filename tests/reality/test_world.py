@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from embedded_sim import InputError
-from models import load_tables, save_tables
-from reality import constants as k
-from reality.capture import capture
-from reality.effects import catalogue, parse_effects
-from reality.hardware import Hardware
-from reality.world import World, scatter
+from realitygap.embedded_sim import InputError
+from realitygap.models import load_tables, save_tables
+from realitygap.reality import constants as k
+from realitygap.reality.capture import capture
+from realitygap.reality.effects import catalogue, parse_effects
+from realitygap.reality.hardware import Hardware
+from realitygap.reality.world import World, scatter
 
 SHIPPED = Path(__file__).parents[2] / "models" / "captured" / "epuck.npz"
 
@@ -139,4 +139,4 @@ def test_effects_change_only_the_robots_they_name() -> None:
 def test_every_effect_is_named_as_its_module() -> None:
     assert {"wheel_radius_mismatch", "ir_dead_sensor"} <= set(catalogue())
     for name, effect in catalogue().items():
-        assert effect.apply.__module__ == f"reality.effects.{name}"
+        assert effect.apply.__module__ == f"realitygap.reality.effects.{name}"

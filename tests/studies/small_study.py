@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-from studies.paper.conditions import StudyConfig
+from realitygap.studies.paper.conditions import StudyConfig
 
 TINY = StudyConfig(runs=1, minutes=0.1, robots=2, seed=5)
 WORDS = ("--runs", "1", "--minutes", "0.1", "--robots", "2", "--seed", "5")

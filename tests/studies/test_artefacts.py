@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from studies.artefacts import analytic_stop, figures
-from studies.convergence import CHOSEN
+from realitygap.studies.artefacts import analytic_stop, figures
+from realitygap.studies.convergence import CHOSEN
 from tests.helpers import ROOT
 
 

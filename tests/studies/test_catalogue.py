@@ -6,16 +6,16 @@ from pathlib import Path
 
 from typer.testing import CliRunner
 
-from reality.effects import catalogue
-from studies.catalogue import KINDS, document, entries, key_text
-from studies.cli import app
+from realitygap.reality.effects import catalogue
+from realitygap.studies.catalogue import KINDS, document, entries, key_text
+from realitygap.studies.cli import app
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "effects.md"
 
 
 def test_the_documented_catalogue_is_up_to_date() -> None:
     assert DOCUMENT.read_text(encoding="utf-8") == document(), (
-        "run: python -m studies.catalogue docs/effects.md"
+        "run: python -m realitygap.studies.catalogue docs/effects.md"
     )
 
 

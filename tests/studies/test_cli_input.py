@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from studies.altered import MODEL
-from studies.cli.say import LONGEST_LINE, say
-from studies.transfer.beliefs import given_model
+from realitygap.studies.altered import MODEL
+from realitygap.studies.cli.say import LONGEST_LINE, say
+from realitygap.studies.transfer.beliefs import given_model
 from tests.helpers import COMMAND, ENVIRONMENT, realitygap
 from tests.models.small import driven_log
 

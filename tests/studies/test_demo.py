@@ -7,16 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from models.modelfile import read_model_file
-from reality.effects import parse_effects
-from studies.blind.menu import MENU
-from studies.demo.chapters import CHAPTERS, tell
-from studies.demo.hide import MENU_OF_THE_DEMO, draw, run_seed, seal, unseal
-from studies.demo.report import write_report
-from studies.demo.story import Size, as_json, verdict_line
-from studies.execution import Workers
-from studies.experiment import RunConfig
-from studies.provenance import write_json
+from realitygap.models.modelfile import read_model_file
+from realitygap.reality.effects import parse_effects
+from realitygap.studies.blind.menu import MENU
+from realitygap.studies.demo.chapters import CHAPTERS, tell
+from realitygap.studies.demo.hide import MENU_OF_THE_DEMO, draw, run_seed, seal, unseal
+from realitygap.studies.demo.report import write_report
+from realitygap.studies.demo.story import Size, as_json, verdict_line
+from realitygap.studies.execution import Workers
+from realitygap.studies.experiment import RunConfig
+from realitygap.studies.provenance import write_json
 
 SEEDS = range(200)
 

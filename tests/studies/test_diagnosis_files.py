@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from embedded_sim import Drive, InputError
-from models.extension import Extension, NamedCause, ParameterValue
-from models.log import write_table
-from models.modelfile import read_model_file
-from studies.diagnosis_files import diagnose_files, read_logs
-from studies.diagnosis_request import Request
-from studies.reference_files import ReferenceRequest, write_reference_of
+from realitygap.embedded_sim import Drive, InputError
+from realitygap.models.extension import Extension, NamedCause, ParameterValue
+from realitygap.models.log import write_table
+from realitygap.models.modelfile import read_model_file
+from realitygap.studies.diagnosis_files import diagnose_files, read_logs
+from realitygap.studies.diagnosis_request import Request
+from realitygap.studies.reference_files import ReferenceRequest, write_reference_of
 from tests.models.small import driven_log
 
 

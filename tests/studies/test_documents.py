@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from models.causes.cause import Cause
-from models.causes.motion import Motion
-from reality.effects.effect import Effect
-from reality.hardware import Hardware
+from realitygap.models.causes.cause import Cause
+from realitygap.models.causes.motion import Motion
+from realitygap.reality.effects.effect import Effect
+from realitygap.reality.hardware import Hardware
 from tests.helpers import ROOT, realitygap
 
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from models.extension import Extension, NamedCause, ParameterValue
-from models.modelfile import find_model_file, read_model_file
-from studies.cli import main
-from studies.diagnosis_files import write_extended
+from realitygap.models.extension import Extension, NamedCause, ParameterValue
+from realitygap.models.modelfile import find_model_file, read_model_file
+from realitygap.studies.cli import main
+from realitygap.studies.diagnosis_files import write_extended
 
 Run = pytest.MonkeyPatch
 

@@ -9,22 +9,22 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim import Drive, InputError
-from models.diagnosis import file_hash
-from models.extension import Extension, NamedCause, ParameterValue
-from models.log import make_log, write_table
-from models.modelfile import ModelFile, find_model_file, load_model, read_model_file
-from models.prediction import prediction_errors
-from reality.effects import parse_effects
-from studies.diagnosis_files import write_extended
-from studies.gain.catalogue import groups
-from studies.gain.food import food_lines, food_table, read_transfer
-from studies.gain.measure import measure_gain
-from studies.gain.report import write_gain
-from studies.gain.request import GainRequest
-from studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE, plan
-from studies.gain.truth import true_model
-from studies.gain.weigh import entry, weigh
+from realitygap.embedded_sim import Drive, InputError
+from realitygap.models.diagnosis import file_hash
+from realitygap.models.extension import Extension, NamedCause, ParameterValue
+from realitygap.models.log import make_log, write_table
+from realitygap.models.modelfile import ModelFile, find_model_file, load_model, read_model_file
+from realitygap.models.prediction import prediction_errors
+from realitygap.reality.effects import parse_effects
+from realitygap.studies.diagnosis_files import write_extended
+from realitygap.studies.gain.catalogue import groups
+from realitygap.studies.gain.food import food_lines, food_table, read_transfer
+from realitygap.studies.gain.measure import measure_gain
+from realitygap.studies.gain.report import write_gain
+from realitygap.studies.gain.request import GainRequest
+from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE, plan
+from realitygap.studies.gain.truth import true_model
+from realitygap.studies.gain.weigh import entry, weigh
 from tests.helpers import realitygap
 from tests.models.small import arena_log
 

@@ -8,16 +8,16 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
-from embedded_sim import Drive, InputError
-from models.gap import measure_gap
-from models.log import make_log
-from models.modelfile import load_common, read_model_file
-from studies.cli import app
-from studies.fitness_gap.by_third import coevolution_gap
-from studies.fitness_gap.generations import read_generations
-from studies.gap_figures import draw_figures
-from studies.gap_report import write_gap
-from studies.provenance import file_sha256
+from realitygap.embedded_sim import Drive, InputError
+from realitygap.models.gap import measure_gap
+from realitygap.models.log import make_log
+from realitygap.models.modelfile import load_common, read_model_file
+from realitygap.studies.cli import app
+from realitygap.studies.fitness_gap.by_third import coevolution_gap
+from realitygap.studies.fitness_gap.generations import read_generations
+from realitygap.studies.gap_figures import draw_figures
+from realitygap.studies.gap_report import write_gap
+from realitygap.studies.provenance import file_sha256
 from tests.helpers import COMMAND, ENVIRONMENT, ROOT, realitygap
 from tests.models.small import driven_log, shared_data
 

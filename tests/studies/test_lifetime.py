@@ -12,15 +12,15 @@ from pathlib import Path
 
 import pytest
 
-from studies.lifetime import Ended, listening, shielded, tied
+from realitygap.studies.lifetime import Ended, listening, shielded, tied
 from tests.helpers import COMMAND, ENVIRONMENT, LONG, ROOT, until, wait_until_gone
 
 PARENT = """
 import subprocess, sys
 from pathlib import Path
-from studies.blind.record import diagnose
-from studies.execution import Workers, completed
-from studies.lifetime import tied
+from realitygap.studies.blind.record import diagnose
+from realitygap.studies.execution import Workers, completed
+from realitygap.studies.lifetime import tied
 from tests.studies.test_lifetime import FOREVER, say_and_wait
 what, here = sys.argv[1], Path(sys.argv[2])
 if what == "command":
@@ -82,7 +82,7 @@ def test_a_signal_is_told_once_what_must_not_be_half_done_is_done(number: signal
 
 
 def test_a_signal_that_was_swallowed_is_told_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("studies.lifetime.AGAIN", 0.01)
+    monkeypatch.setattr("realitygap.studies.lifetime.AGAIN", 0.01)
     with listening(), pytest.raises(Ended):  # noqa: PT012 - where it is raised matters
         with contextlib.suppress(BaseException):
             signal.raise_signal(signal.SIGTERM)

@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from models.modelfile import read_model_file
-from studies.diagnosis_files import diagnose_files
-from studies.diagnosis_request import Request
-from studies.experiment import RunConfig, simulate
+from realitygap.models.modelfile import read_model_file
+from realitygap.studies.diagnosis_files import diagnose_files
+from realitygap.studies.diagnosis_request import Request
+from realitygap.studies.experiment import RunConfig, simulate
 
 
 def recorded(out: Path, *specs: str, robots: int, minutes: float, case: str = "no-light") -> Path:

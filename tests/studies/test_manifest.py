@@ -14,15 +14,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from embedded_sim.errors import InputError
-from studies import manifest, provenance
-from studies.execution import Finished, Workers
-from studies.experiment import RunConfig, simulate
-from studies.gain import catalogue
-from studies.manifest import MANIFEST, Pieces, made
-from studies.paper.conditions import PAPER, plan, study_config
-from studies.paper.directory import StudyDirectory
-from studies.provenance import ROOMS, ROOT, sources_hash, versions
+from realitygap.embedded_sim.errors import InputError
+from realitygap.studies import manifest, provenance
+from realitygap.studies.execution import Finished, Workers
+from realitygap.studies.experiment import RunConfig, simulate
+from realitygap.studies.gain import catalogue
+from realitygap.studies.manifest import MANIFEST, Pieces, made
+from realitygap.studies.paper.conditions import PAPER, plan, study_config
+from realitygap.studies.paper.directory import StudyDirectory
+from realitygap.studies.provenance import ROOMS, ROOT, sources_hash, versions
 from tests.studies.small_study import TINY
 
 FILES = {"run.json": b"{}", "generations.parquet": b"generations", "deposits.parquet": b"deposits"}
@@ -259,7 +259,7 @@ def _refused(
     words: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> str:
     """What a command says that ends with exit code 2 and one line."""
-    from studies.cli import main
+    from realitygap.studies.cli import main
 
     monkeypatch.setattr("sys.argv", ["realitygap", *words])
     with pytest.raises(SystemExit) as ended:
@@ -351,7 +351,7 @@ def test_a_catalogue_of_gains_is_resumed_group_by_group_and_never_mixed(
 
 
 def test_a_study_is_resumed_with_the_very_same_model_and_tables_only(tmp_path: Path) -> None:
-    from models.modelfile import find_model_file
+    from realitygap.models.modelfile import find_model_file
 
     source = find_model_file("epuck")
     text = source.read_text().replace("../captured/epuck.npz", "epuck.npz")
@@ -368,7 +368,7 @@ def test_a_study_is_resumed_with_the_very_same_model_and_tables_only(tmp_path: P
 
 
 def test_a_log_to_be_diagnosed_says_nothing_of_the_run_in_its_run_column(tmp_path: Path) -> None:
-    from studies.experiment import ANONYMOUS
+    from realitygap.studies.experiment import ANONYMOUS
 
     config = RunConfig(minutes=0.02, robots=2, seed=987654321, controller="search")
     simulate(config, (), tmp_path, name=ANONYMOUS)

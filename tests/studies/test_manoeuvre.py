@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim import PointModel
-from embedded_sim.pilot import fly
-from embedded_sim.probes import MENU
-from studies.experiment import RunConfig, simulate
+from realitygap.embedded_sim import PointModel
+from realitygap.embedded_sim.pilot import fly
+from realitygap.embedded_sim.probes import MENU
+from realitygap.studies.experiment import RunConfig, simulate
 from tests.helpers import realitygap
 
 

@@ -14,11 +14,11 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from embedded_sim import InputError
-from studies import renames
-from studies.cli import app
-from studies.output import claimed, whole_directory, whole_file
-from studies.rooms import LOCK, clear_stale, scratch, take
+from realitygap.embedded_sim import InputError
+from realitygap.studies import renames
+from realitygap.studies.cli import app
+from realitygap.studies.output import claimed, whole_directory, whole_file
+from realitygap.studies.rooms import LOCK, clear_stale, scratch, take
 from tests.helpers import ENVIRONMENT, ROOT, realitygap
 
 COMMANDS = {
@@ -86,7 +86,7 @@ def test_links_to_one_place_are_one_place(tmp_path: Path) -> None:
 HOLD = """
 import sys, threading
 from pathlib import Path
-from studies.output import whole_directory
+from realitygap.studies.output import whole_directory
 with whole_directory(Path(sys.argv[1])) as part:
     (part / "half").write_text("half")
     print("holds", flush=True)
@@ -248,7 +248,7 @@ def test_everything_is_on_the_disk_before_its_name_and_the_name_before_the_end(
         source.rename(target)
 
     monkeypatch.setattr(os, "fsync", synced)
-    monkeypatch.setattr("studies.output.place", placed)
+    monkeypatch.setattr("realitygap.studies.output.place", placed)
     out = tmp_path / "parent" / "out"
     write(out, False, lambda: None)
     assert done[0] == tmp_path.name  # holds the name of the parent, which had to be made
@@ -290,7 +290,7 @@ def test_an_output_that_is_no_place_for_it_is_refused(
 
 def test_a_name_that_is_not_text_is_one_line(tmp_path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-m", "studies.command", "capture", "--out", b"caf\xe9"],
+        [sys.executable, "-m", "realitygap.studies.command", "capture", "--out", b"caf\xe9"],
         cwd=tmp_path,
         env=ENVIRONMENT,
         capture_output=True,
@@ -312,7 +312,7 @@ def test_a_log_is_not_replaced_by_what_is_imported_from_it(tmp_path: Path) -> No
 
 SCRATCH = """
 import subprocess, sys, threading
-from studies.rooms import scratch
+from realitygap.studies.rooms import scratch
 with scratch() as room:
     (room / "log").write_text("big")
     print(room, flush=True)
@@ -330,7 +330,7 @@ def test_temporary_files_of_a_killed_command_are_cleared_by_the_next_and_a_livin
         killed.kill()
         killed.wait()
         assert Path(stale, "log").exists()
-        command = [sys.executable, "-m", "studies.command", "effects", "--quiet"]
+        command = [sys.executable, "-m", "realitygap.studies.command", "effects", "--quiet"]
         subprocess.run(
             command, cwd=ROOT, env={**ENVIRONMENT, **here}, check=True, capture_output=True
         )
@@ -343,7 +343,7 @@ def test_a_commands_temporary_files_are_in_one_room_that_goes_with_it(tmp_path: 
     done = subprocess.run(
         [
             *(sys.executable, "-c"),
-            "from studies.rooms import command_room, scratch\n"
+            "from realitygap.studies.rooms import command_room, scratch\n"
             "with scratch() as a, scratch() as b: assert a.parent == b.parent == command_room()\n"
             "assert not a.exists() and command_room().exists()\n"
             "(command_room() / 'forgotten').touch()\n",

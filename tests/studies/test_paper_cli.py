@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from studies.cli import main
-from studies.paper.execution import RunsFailed
+from realitygap.studies.cli import main
+from realitygap.studies.paper.execution import RunsFailed
 
 
 def _run(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
@@ -60,7 +60,7 @@ def test_runs_that_fail_end_in_one_line_and_exit_code_1(
     def fail(*args: object, **options: object) -> None:
         raise RunsFailed("2 runs failed, first at-nest-00: InputError: too many robots")
 
-    monkeypatch.setattr("studies.paper.study.run_study", fail)
+    monkeypatch.setattr("realitygap.studies.paper.study.run_study", fail)
     assert _run(monkeypatch, "paper", "--out", str(tmp_path / "study")) == 1
     said = capsys.readouterr().err.strip()
     assert len(said.splitlines()) == 1
@@ -70,9 +70,9 @@ def test_runs_that_fail_end_in_one_line_and_exit_code_1(
 @pytest.mark.parametrize(
     ("name", "run"),
     [
-        ("paper", "studies.paper.study.run_study"),
-        ("readings", "studies.paper.study.run_study"),
-        ("transfer", "studies.transfer.study.run_transfer"),
+        ("paper", "realitygap.studies.paper.study.run_study"),
+        ("readings", "realitygap.studies.paper.study.run_study"),
+        ("transfer", "realitygap.studies.transfer.study.run_transfer"),
     ],
 )
 def test_a_study_ends_with_its_result_and_the_path_of_its_page(

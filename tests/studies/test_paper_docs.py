@@ -10,14 +10,14 @@ import matplotlib as mpl
 import pandas as pd
 import pytest
 
-from studies.paper.claims import CLAIMS
-from studies.paper.conditions import PAPER, STUDIED, StudyConfig
-from studies.paper.mixture import mixture_table
-from studies.paper.notes import LAMP, MUTATION, NOTES, POOLED
-from studies.paper.page import markdown
-from studies.paper.results import result_sections
-from studies.paper.tables import StudyTables
-from studies.paper.verdicts import weigh_claims
+from realitygap.studies.paper.claims import CLAIMS
+from realitygap.studies.paper.conditions import PAPER, STUDIED, StudyConfig
+from realitygap.studies.paper.mixture import mixture_table
+from realitygap.studies.paper.notes import LAMP, MUTATION, NOTES, POOLED
+from realitygap.studies.paper.page import markdown
+from realitygap.studies.paper.results import result_sections
+from realitygap.studies.paper.tables import StudyTables
+from realitygap.studies.paper.verdicts import weigh_claims
 
 DOCS = Path(__file__).parents[2] / "docs"
 STUDY = DOCS / "paper-study"

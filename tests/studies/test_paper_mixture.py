@@ -9,11 +9,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim.breeding import Fixed
-from studies.experiment import RunConfig, simulate
-from studies.paper.conditions import MIXTURE, PAPER, STUDIED, StudyConfig, plan
-from studies.paper.mixture import evolved_table, mixture_table, mixture_text
-from studies.paper.tables import StudyTables
+from realitygap.embedded_sim.breeding import Fixed
+from realitygap.studies.experiment import RunConfig, simulate
+from realitygap.studies.paper.conditions import MIXTURE, PAPER, STUDIED, StudyConfig, plan
+from realitygap.studies.paper.mixture import evolved_table, mixture_table, mixture_text
+from realitygap.studies.paper.tables import StudyTables
 
 RUNS = np.arange(10.0)
 
@@ -21,7 +21,7 @@ RUNS = np.arange(10.0)
 @pytest.fixture(autouse=True)
 def _few_resamples(monkeypatch: pytest.MonkeyPatch) -> None:
     """The differences below are clear to any number of them."""
-    monkeypatch.setattr("studies.paper.statistics.RESAMPLES", 200)
+    monkeypatch.setattr("realitygap.studies.paper.statistics.RESAMPLES", 200)
 
 
 def _tables(*, mixed: float, to_and_fro: float, evolved: float) -> StudyTables:

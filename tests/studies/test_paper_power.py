@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from scipy import stats
 
-from studies.paper.power import TESTS, detectable, may_disagree, power_table, power_text
+from realitygap.studies.paper.power import TESTS, detectable, may_disagree, power_table, power_text
 
 WILCOXON, MANN_WHITNEY, BROWN_FORSYTHE = TESTS
 

@@ -8,13 +8,20 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim.reading import reading
-from studies.execution import Workers
-from studies.paper.claims import CLAIMS
-from studies.paper.conditions import PAPER, StudyConfig, plan
-from studies.paper.readings import LAMPS, READINGS, VARIANTS, depends, reading_conditions, stands
-from studies.paper.statistics import Evidence
-from studies.paper.study import run_study
+from realitygap.embedded_sim.reading import reading
+from realitygap.studies.execution import Workers
+from realitygap.studies.paper.claims import CLAIMS
+from realitygap.studies.paper.conditions import PAPER, StudyConfig, plan
+from realitygap.studies.paper.readings import (
+    LAMPS,
+    READINGS,
+    VARIANTS,
+    depends,
+    reading_conditions,
+    stands,
+)
+from realitygap.studies.paper.statistics import Evidence
+from realitygap.studies.paper.study import run_study
 
 
 def test_every_standard_deviation_meets_every_rule_and_every_lamp_is_there() -> None:

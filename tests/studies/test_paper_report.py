@@ -10,9 +10,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from studies.execution import Workers
-from studies.paper.conditions import STUDIED, plan
-from studies.paper.study import run_study
+from realitygap.studies.execution import Workers
+from realitygap.studies.paper.conditions import STUDIED, plan
+from realitygap.studies.paper.study import run_study
 from tests.studies.small_study import TINY, results
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -25,7 +25,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two runs per condition, long enough for one whole generation and some deposits."""
     out = tmp_path_factory.mktemp("report") / "study"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("studies.fitness_gap.anew.TRIALS", 20)
+        patch.setattr("realitygap.studies.fitness_gap.anew.TRIALS", 20)
         run_study(SMALL, out, Workers(2), quiet=True)
     return out
 
@@ -65,7 +65,7 @@ def test_making_the_report_again_changes_no_byte_of_the_results(
     study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = results(study)
-    monkeypatch.setattr("studies.fitness_gap.anew.TRIALS", 20)
+    monkeypatch.setattr("realitygap.studies.fitness_gap.anew.TRIALS", 20)
     said = run_study(SMALL, study, Workers(1), quiet=True)
     assert results(study) == before
     assert said in (study / "report.html").read_text(encoding="utf-8")

@@ -9,9 +9,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy import stats
 
-from studies.paper.claims import CLAIMS
-from studies.paper.persistence import half_life
-from studies.paper.statistics import (
+from realitygap.studies.paper.claims import CLAIMS
+from realitygap.studies.paper.persistence import half_life
+from realitygap.studies.paper.statistics import (
     Evidence,
     brown_forsythe,
     interval,
@@ -22,9 +22,9 @@ from studies.paper.statistics import (
     ratio,
     wilcoxon,
 )
-from studies.paper.tables import StudyTables
-from studies.paper.verdicts import verdict
-from studies.paper.weighing import (
+from realitygap.studies.paper.tables import StudyTables
+from realitygap.studies.paper.verdicts import verdict
+from realitygap.studies.paper.weighing import (
     all_more,
     at_least,
     falls,

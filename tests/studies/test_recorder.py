@@ -10,11 +10,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim.genome import PAPER
-from reality import constants as k
-from studies.experiment import _forage
-from studies.output import whole_directory
-from studies.recorder import Recorder
+from realitygap.embedded_sim.genome import PAPER
+from realitygap.reality import constants as k
+from realitygap.studies.experiment import _forage
+from realitygap.studies.output import whole_directory
+from realitygap.studies.recorder import Recorder
 
 ROBOTS = 3
 

@@ -13,12 +13,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from embedded_sim import InputError
-from models.catalogue import every_cause
-from models.extension import Extension, NamedCause, ParameterValue
-from models.formats.mapped import SCALES, Map, Poses, Source, read_map
-from models.identify.inherent import INHERENT
-from models.modelfile import (
+from realitygap.embedded_sim import InputError
+from realitygap.models.catalogue import every_cause
+from realitygap.models.extension import Extension, NamedCause, ParameterValue
+from realitygap.models.formats.mapped import SCALES, Map, Poses, Source, read_map
+from realitygap.models.identify.inherent import INHERENT
+from realitygap.models.modelfile import (
     Arena,
     Circle,
     Lamps,
@@ -28,24 +28,24 @@ from models.modelfile import (
     find_model_file,
     read_model_file,
 )
-from models.opened import json_values
-from models.reference import Reference, Spread, read_reference, write_reference
-from models.schema import UNITS
-from models.senses.cause import SenseCause
-from models.senses.reference import INHERENT as SENSED
-from models.senses.reference import (
+from realitygap.models.opened import json_values
+from realitygap.models.reference import Reference, Spread, read_reference, write_reference
+from realitygap.models.schema import UNITS
+from realitygap.models.senses.cause import SenseCause
+from realitygap.models.senses.reference import INHERENT as SENSED
+from realitygap.models.senses.reference import (
     Health,
     Level,
     SenseReference,
     read_sense_reference,
     write_sense_reference,
 )
-from reality.effects import Hidden, catalogue, parse_effects
-from studies.diagnosis_files import write_extended
-from studies.experiment import RunConfig
-from studies.gain.truth import hidden_in
-from studies.provenance import write_json
-from studies.typed import typed
+from realitygap.reality.effects import Hidden, catalogue, parse_effects
+from realitygap.studies.diagnosis_files import write_extended
+from realitygap.studies.experiment import RunConfig
+from realitygap.studies.gain.truth import hidden_in
+from realitygap.studies.provenance import write_json
+from realitygap.studies.typed import typed
 
 often = settings(
     max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]

@@ -15,11 +15,11 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
-from embedded_sim import InputError
-from embedded_sim.genome import CONTINUOUS
-from models.modelfile import find_model_file
-from reality import constants as k
-from studies.experiment import RunConfig, simulate
+from realitygap.embedded_sim import InputError
+from realitygap.embedded_sim.genome import CONTINUOUS
+from realitygap.models.modelfile import find_model_file
+from realitygap.reality import constants as k
+from realitygap.studies.experiment import RunConfig, simulate
 from tests.helpers import COMMAND, LONG, ROOT, realitygap, until
 
 TABLES = ("samples.parquet", "generations.parquet", "deposits.parquet")

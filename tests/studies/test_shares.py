@@ -7,23 +7,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from models.causes import Motion, causes
-from models.diagnosis import Diagnosis, extension
-from models.extension import NamedCause, ParameterValue
-from models.identify.choice import Evidence
-from models.identify.hypothesis import Term
-from models.identify.swarm import Named, _given
-from models.identify.value import Value
-from models.modelfile import find_model_file, read_model_file
-from models.reference import shipped_reference
-from reality import constants as k
-from reality.effects import parse_effects
-from studies.blind.scoring import Named as Told
-from studies.blind.scoring import _inside
-from studies.blind.trials import Hidden
-from studies.diagnosis_files import write_extended
-from studies.oracle import oracle
-from studies.shares import HEALTHY_ACCELERATION, as_told
+from realitygap.models.causes import Motion, causes
+from realitygap.models.diagnosis import Diagnosis, extension
+from realitygap.models.extension import NamedCause, ParameterValue
+from realitygap.models.identify.choice import Evidence
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.swarm import Named, _given
+from realitygap.models.identify.value import Value
+from realitygap.models.modelfile import find_model_file, read_model_file
+from realitygap.models.reference import shipped_reference
+from realitygap.reality import constants as k
+from realitygap.reality.effects import parse_effects
+from realitygap.studies.blind.scoring import Named as Told
+from realitygap.studies.blind.scoring import _inside
+from realitygap.studies.blind.trials import Hidden
+from realitygap.studies.diagnosis_files import write_extended
+from realitygap.studies.oracle import oracle
+from realitygap.studies.shares import HEALTHY_ACCELERATION, as_told
 from tests.reality.hidden import drive, straight
 
 

@@ -12,19 +12,25 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from embedded_sim import InputError
-from models.modelfile import find_model_file, load_model, load_models
-from reality.effects import parse_effects
-from studies.execution import Workers
-from studies.experiment import RunConfig
-from studies.oracle import oracle, write_oracle
-from studies.transfer.alterations import SHIPPED, chosen
-from studies.transfer.beliefs import Preparation, record_and_diagnose
-from studies.transfer.choices import choices
-from studies.transfer.compare import compare
-from studies.transfer.plan import MODELS, TransferConfig, log_config, plan, transfer_config
-from studies.transfer.study import run_transfer
-from studies.transfer.words import reason
+from realitygap.embedded_sim import InputError
+from realitygap.models.modelfile import find_model_file, load_model, load_models
+from realitygap.reality.effects import parse_effects
+from realitygap.studies.execution import Workers
+from realitygap.studies.experiment import RunConfig
+from realitygap.studies.oracle import oracle, write_oracle
+from realitygap.studies.transfer.alterations import SHIPPED, chosen
+from realitygap.studies.transfer.beliefs import Preparation, record_and_diagnose
+from realitygap.studies.transfer.choices import choices
+from realitygap.studies.transfer.compare import compare
+from realitygap.studies.transfer.plan import (
+    MODELS,
+    TransferConfig,
+    log_config,
+    plan,
+    transfer_config,
+)
+from realitygap.studies.transfer.study import run_transfer
+from realitygap.studies.transfer.words import reason
 from tests.helpers import realitygap
 
 WINDOW = "second_lamp:x=0.6,y=0,intensity=2"

@@ -6,10 +6,10 @@ from pathlib import Path
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from studies.diagnosis_request import Request
-from studies.gain.request import GainRequest
-from studies.reference_files import ReferenceRequest
-from studies.typed import typed
+from realitygap.studies.diagnosis_request import Request
+from realitygap.studies.gain.request import GainRequest
+from realitygap.studies.reference_files import ReferenceRequest
+from realitygap.studies.typed import typed
 
 names = st.binary(min_size=1, max_size=20).filter(lambda raw: b"\0" not in raw).map(os.fsdecode)
 

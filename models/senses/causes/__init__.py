@@ -10,7 +10,7 @@ import importlib
 import pkgutil
 from functools import cache
 
-from models.senses.cause import SenseCause
+from realitygap.models.senses.cause import SenseCause
 
 
 @cache

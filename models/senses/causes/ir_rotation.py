@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from embedded_sim.model import FloatArray
-from models.causes.cause import Parameter
-from models.senses.cause import PS, Belief, SenseCause
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.cause import Parameter
+from realitygap.models.senses.cause import PS, Belief, SenseCause
 
 ELSEWHERE = 2e-3
 """rad that robots seem turned by whose lamp stands a few centimetres higher, or that circle.

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from embedded_sim import PointModel
-from embedded_sim.model import FloatArray
-from models.causes.cause import Parameter
-from models.senses.cause import LS, Belief, SenseCause
+from realitygap.embedded_sim import PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.cause import Parameter
+from realitygap.models.senses.cause import LS, Belief, SenseCause
 
 LAMP_HEIGHT = PointModel().lamp_height
 """m, of the captured lamp."""

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes.cause import Parameter
-from models.senses.cause import LS, Belief, SenseCause
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.cause import Parameter
+from realitygap.models.senses.cause import LS, Belief, SenseCause
 
 FAR = 1.3
 """m that a lamp is looked for from where it should stand: across the arena."""

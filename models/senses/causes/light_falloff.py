@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from embedded_sim.model import FloatArray
-from models.causes.cause import Parameter
-from models.senses.cause import LS, Belief, SenseCause
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.cause import Parameter
+from realitygap.models.senses.cause import LS, Belief, SenseCause
 
 SQUARE = 2.0
 """Exponent of the captured law."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from embedded_sim.model import FloatArray
-from models.senses.cause import LS, ONE_SENSOR, Belief, SenseCause, chosen
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.senses.cause import LS, ONE_SENSOR, Belief, SenseCause, chosen
 
 
 def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:

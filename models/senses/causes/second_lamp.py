@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from embedded_sim.model import FloatArray
-from models.causes.cause import Parameter
-from models.senses.cause import LS, Belief, SenseCause
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes.cause import Parameter
+from realitygap.models.senses.cause import LS, Belief, SenseCause
 
 DIRECTIONS = 12
 REACH = (0.7, 0.35)
