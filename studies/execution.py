@@ -9,6 +9,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import socket
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import (
@@ -22,6 +23,7 @@ from concurrent.futures import (
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Generic, TypeAlias, TypeVar
+from urllib.parse import urlsplit
 
 from realitygap.embedded_sim.errors import InputError
 from realitygap.studies.lifetime import end_with, shielded
@@ -37,6 +39,8 @@ FRUITLESS = 3
 its worker every time is a fault of the work, not of the machine."""
 CONNECT_SECONDS = 10.0
 """s to wait for a scheduler's answer; our choice."""
+KNOCK_SECONDS = 0.2
+"""s between two tries at one that is just starting; our choice."""
 
 
 class Unfinished(RuntimeError):
@@ -234,6 +238,26 @@ def _security(address: str) -> Any:
     return security
 
 
+def _check_answers(address: str) -> None:
+    """Refuse an address where nobody listens, before Dask's client tries it again and again.
+
+    Raises:
+        InputError: it is no address, or nobody answers.
+    """
+    until = time.monotonic() + CONNECT_SECONDS
+    while True:
+        try:
+            there = urlsplit(address)
+            socket.create_connection((there.hostname, there.port), CONNECT_SECONDS).close()
+            return
+        except (OSError, ValueError, TypeError) as error:
+            starting = isinstance(error, ConnectionRefusedError) and time.monotonic() < until
+            if not starting:
+                expected = f"a Dask scheduler that answers, as tls://host:8786 ({error})"
+                raise InputError("--scheduler", address, expected) from None
+        time.sleep(KNOCK_SECONDS)
+
+
 @contextmanager
 def _cluster(address: str) -> Iterator[tuple[Executor, int]]:
     """The executor of a Dask client."""
@@ -243,6 +267,7 @@ def _cluster(address: str) -> Iterator[tuple[Executor, int]]:
         expected = "the extra [cluster] to be installed (dask, distributed)"
         raise InputError("--scheduler", address, expected) from None
     security = _security(address)
+    _check_answers(address)
     try:
         client: Any = Client(
             address, timeout=CONNECT_SECONDS, set_as_default=False, security=security

@@ -306,3 +306,12 @@ def test_a_log_that_never_says_where_a_window_was_has_no_picture_of_the_arena(tm
     draw_figures(log, dataclasses.replace(found, motion=lost), tmp_path)
     assert (tmp_path / "maps.png").exists()
     assert not (tmp_path / "arena.png").exists()
+
+
+def test_a_robot_that_stays_in_the_middle_has_a_gap(tmp_path):
+    still = {name: np.zeros(300) for name in ("x", "y", "yaw", "cmd_left", "cmd_right")}
+    log = make_log(pd.DataFrame({"robot": 0, "t": 0.04 * np.arange(300), **still}), drive=Drive())
+    model = read_model_file("create")
+    found = measure_gap(log, model, load_common("create", sensors="declared"), seed=0, name="x")
+    draw_figures(log, found, tmp_path)
+    assert (tmp_path / "arena.png").exists()
