@@ -44,7 +44,7 @@ mutants: $(STAMP) ## whether the tests notice the faults listed in tests/mutants
 	$(BIN)/python -m tests.mutants $(ONLY)
 
 bench: $(STAMP) ## the benchmarks; numbers in out/bench.json
-	$(BIN)/python -m realitygap.studies.bench
+	$(BIN)/realitygap measure bench --out out/bench.json --force
 
 asan: build/asan/asan_main build/asan/fuzz_main ## the C core under the address and undefined-behaviour sanitizers
 	./$<

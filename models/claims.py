@@ -23,17 +23,14 @@ from realitygap.models.harm import Predictions, harmless, robots_of
 from realitygap.models.identify.detectable import Seen, detectable, untold
 from realitygap.models.identify.examination import KINDS, Examination
 from realitygap.models.identify.fitted import refitted
-from realitygap.models.identify.swarm import Named
 from realitygap.models.identify.tracks import Tracks
 from realitygap.models.log import MeasuredLog
+from realitygap.models.modelfile import ModelFile
+from realitygap.models.naming.findings import Named
 from realitygap.models.reference import Reference
 from realitygap.models.replay import HORIZONS
 from realitygap.models.written import at_bound
 
-FAR = 5.0
-"""Times the median error that tracker noise leaves of a healthy robot by the healthy model, from
-which on an error is far above them. The farthest of 130 healthy robots was 1.5 in logs of two
-minutes, of ten in one of a minute 2.7."""
 SURE = 99.0
 """Standard deviations beyond which a distance says no more."""
 LEAST_APART = 8
@@ -53,8 +50,7 @@ def claimed(
         seed: Of the draws of noise and of the resampling.
     """
     found, tracks, said = examined.identified, examined.tracks, examined.diagnosis
-    sure, chance = _beyond_chance(said.named, tracks)
-    inside, ended = bounded(sure)
+    inside, ended = bounded(said.named)
     ahead = Ahead(log, conditions(log, examined.model) if table is None else table)
     by_part = (refitted(found.fits, 0), refitted(found.fits, 1)) if inside else ({}, {})
     predictions = Predictions(ahead, examined.model, inside, by_part)
@@ -66,11 +62,10 @@ def claimed(
     errors = _Errors(predictions, examined.reference, tracks, np.random.default_rng(seed))
     exported = frozenset(range(len(named))) - refused.keys()
     unexplained = (*said.unexplained, *ended)
-    seen = detectable(tracks, found.explained, examined.reference)
+    seen = detectable(found.least, found.explained)
     diagnosis = replace(
         said,
         named=named,
-        not_checked=(*said.not_checked, *chance),
         unexplained=(*unexplained, *errors.far(named, unexplained)),
         gain=errors.gains(named, exported),
         detectable=tuple(_told(one, tracks.robots) for one in seen),
@@ -78,25 +73,6 @@ def claimed(
         used=tracks.used,
     )
     return replace(examined, diagnosis=diagnosis, errors=errors.by_robot(exported))
-
-
-def _beyond_chance(
-    named: Sequence[Named], tracks: Tracks
-) -> tuple[tuple[Named, ...], tuple[str, ...]]:
-    """Names that more than one block of windows shows, and the others in words: one block alone
-    says nothing of how much blocks differ."""
-    sure, said = [], []
-    for one in named:
-        mine = np.isin(np.array(tracks.robots)[tracks.robot], one.robots)
-        if len(np.unique(tracks.block[mine])) > 1:
-            sure.append(one)
-        else:
-            robots = ", ".join(map(str, one.robots))
-            said.append(
-                f"{one.term.cause.name} of robot {robots}: it looks so, but in a single stretch of "
-                "some seconds, which says nothing of chance: not named"
-            )
-    return tuple(sure), tuple(said)
 
 
 def bounded(named: Sequence[Named]) -> tuple[tuple[Named, ...], tuple[Unexplained, ...]]:
@@ -230,23 +206,18 @@ class _Errors:
                 found.append(one)
         return tuple(found)
 
+    def farthest(self) -> float:
+        """Largest of the robots' errors, times what tracker noise alone would leave."""
+        each = [self._ratios(robot) for robot in self.tracks.robots]
+        return max((far for own in each for far, *_ in own), default=0.0)
+
     def _far(self, robot: int) -> Unexplained | None:
         """At the horizon at which it is farthest."""
-        healthy = self.reference.motion(self.model.motion(robot))
-        path = self.ahead.replay(robot, lambda r, part: healthy)
-        off = self.ahead.sizes(robot, path)
-        noise = self.ahead.sound(robot, path, path, self.tracks.noise, self.rng)
-        worst, most = None, FAR
-        for name, unit in KEYS.items():
-            some = self.ahead.apart(name, robot)
-            if len(some) < LEAST_APART:
-                continue
-            seen, usual = float(np.median(off[name][some])), float(np.median(noise[name][some]))
-            if seen > most * usual > 0.0:
-                most, worst = seen / usual, (name, unit, seen, usual)
-        if worst is None:
+        beyond = [one for one in self._ratios(robot) if one[0] > self.reference.gates.error]
+        if not beyond:
             return None
-        name, unit, seen, usual = worst
+        most, name, seen, usual = max(beyond)
+        unit = KEYS[name]
         what = "position" if name.startswith("position") else "heading"
         size = f"{1e3 * seen:.0f} mm" if unit == "m" else f"{seen:.2g} rad"
         seconds = HORIZONS[HORIZON_OF[name]]
@@ -259,3 +230,29 @@ class _Errors:
             robots=(robot,),
             distance=most,
         )
+
+    def _ratios(self, robot: int) -> list[tuple[float, str, float, float]]:
+        """By key, how often the error that tracker noise leaves of a healthy robot is in the median
+        error by the healthy model, with the key and both."""
+        healthy = self.reference.motion(self.model.motion(robot))
+        path = self.ahead.replay(robot, lambda r, part: healthy)
+        off = self.ahead.sizes(robot, path)
+        noise = self.ahead.sound(robot, path, path, self.tracks.noise, self.rng)
+        found = []
+        for name in KEYS:
+            some = self.ahead.apart(name, robot)
+            if len(some) < LEAST_APART:
+                continue
+            seen, usual = float(np.median(off[name][some])), float(np.median(noise[name][some]))
+            if usual > 0.0:
+                found.append((seen / usual, name, seen, usual))
+        return found
+
+
+def farthest_error(
+    log: MeasuredLog, model: ModelFile, reference: Reference, tracks: Tracks, *, seed: int = 0
+) -> float:
+    """Largest error of healthy robots by the healthy model, times what tracker noise leaves."""
+    ahead = Ahead(log, conditions(log, model))
+    predictions = Predictions(ahead, model, (), ({}, {}))
+    return _Errors(predictions, reference, tracks, np.random.default_rng(seed)).farthest()

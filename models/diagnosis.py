@@ -9,17 +9,13 @@ no cause accounts for, or a cause was seen with which the model would predict wo
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import Any, Literal
 
 from realitygap.models.extension import Extension
-from realitygap.models.identify.swarm import Named
-from realitygap.models.opened import opened
+from realitygap.models.naming.findings import Named
 from realitygap.models.proposal.menu import Proposal
-from realitygap.models.table_files import MOST_BYTES
 from realitygap.models.used import Used
 from realitygap.models.written import written
 
@@ -36,7 +32,7 @@ class Unexplained:
     """Of the squared error, noise included, of the robots concerned."""
     where: str
     quantity: str = ""
-    """The measured quantity that it follows (`models.identify.structure.QUANTITIES`)."""
+    """The measured quantity that it follows (`models.naming.flexible.QUANTITIES`)."""
     robots: tuple[int, ...] | Literal["all"] = "all"
     distance: float = 0.0
     """Standard deviations from what healthy robots show."""
@@ -200,17 +196,3 @@ def extension(found: Diagnosis, *, log_hash: str, command: str) -> Extension:
     """The named causes that are exported, as a model file's `[extension]`."""
     causes = (written(one, one.values) for one in found.named if one.exported)
     return Extension(log=log_hash, command=command, causes=tuple(causes))
-
-
-def file_hash(paths: list[Path]) -> str:
-    """SHA-256 over the content of log files, in order.
-
-    Raises:
-        InputError: as `models.opened.opened`.
-    """
-    digest = hashlib.sha256()
-    for path in paths:
-        with opened(path, "a measured log", most=MOST_BYTES) as file:
-            while part := file.read(2**20):
-                digest.update(part)
-    return digest.hexdigest()

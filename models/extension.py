@@ -44,9 +44,9 @@ ROBOTS = 'robot numbers from 0, as in [3] or [1, 4], or "all"'
 class ParameterValue(Table):
     """A value with its 95 % interval."""
 
-    value: Annotated[float, Field(strict=True)]
-    low: Annotated[float, Field(strict=True, allow_inf_nan=False)] | None = None
-    high: Annotated[float, Field(strict=True, allow_inf_nan=False)] | None = None
+    value: float
+    low: Annotated[float, Field(allow_inf_nan=False)] | None = None
+    high: Annotated[float, Field(allow_inf_nan=False)] | None = None
     unit: str = ""
     """As the catalogue has it; may be left out."""
 
@@ -87,12 +87,13 @@ class NamedCause(Table):
         if robots == "all":
             return robots
         if isinstance(robots, str) or not isinstance(robots, Collection) or not robots:
-            raise Refused("", repr(robots), ROBOTS)
+            given = list(robots) if isinstance(robots, tuple) else robots
+            raise Refused("", repr(given), ROBOTS)
         for robot in robots:
             if isinstance(robot, bool) or not isinstance(robot, int) or robot < 0:
                 raise Refused("", repr(robot), ROBOTS)
         if len(set(robots)) < len(robots):
-            raise Refused("", repr(robots), "each robot once")
+            raise Refused("", repr(list(robots)), "each robot once")
         return robots
 
     @model_validator(mode="after")

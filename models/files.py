@@ -7,16 +7,29 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
 from realitygap.embedded_sim.errors import InputError, nearest, quoted
 from realitygap.models.opened import json_values
 
 
 class Table(BaseModel):
-    """A table of a file: immutable, and without unknown keys."""
+    """A table of a file: immutable, without unknown keys; a number is no text and no `true`."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_tuples(cls, values: Any) -> Any:
+        """A file has lists where a table has tuples."""
+        if not isinstance(values, dict):
+            return values
+        return {name: _tuples(value) for name, value in values.items()}
+
+
+def _tuples(value: Any) -> Any:
+    """A list, and lists in it, as tuples."""
+    return tuple(_tuples(one) for one in value) if isinstance(value, list) else value
 
 
 class Finite(Table):
@@ -80,7 +93,8 @@ def _first_problem(
     if isinstance(refused, Refused):
         keys += refused.field.split(".") if refused.field else []
         return InputError(f"{path.name}: {'.'.join(keys)}", refused.got, refused.expected)
-    got = quoted(first["input"])
+    was = first["input"]
+    got = quoted(list(was) if isinstance(was, tuple) else was)
     if not keys:
         return InputError(path.name, got, what)
     where = f"{path.name}: {'.'.join(keys)}"

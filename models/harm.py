@@ -18,8 +18,8 @@ from realitygap.models.blocks import Better, better
 from realitygap.models.extended import as_written
 from realitygap.models.extension import NamedCause
 from realitygap.models.identify.fitted import Values
-from realitygap.models.identify.swarm import Named
 from realitygap.models.modelfile import ModelFile
+from realitygap.models.naming.findings import Named
 from realitygap.models.prediction import MOTION
 from realitygap.models.written import written
 

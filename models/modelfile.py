@@ -86,7 +86,7 @@ class Lamps(Table):
 class Sensors(Table):
     """`[sensors]`: the captured tables."""
 
-    tables: Path
+    tables: Annotated[Path, Field(strict=False)]
     """An .npz of `realitygap capture`, relative to the model file."""
 
 
@@ -167,6 +167,23 @@ class ModelFile(Table):
         )
         return minimal if self.extension is None else self.extension.sensed(robot).of(minimal)
 
+    def of_robots(self, robots: int, tables: Tables, name: str) -> list[PointModel]:
+        """What each robot of a swarm believes.
+
+        Args:
+            robots: How many.
+            tables: Captured.
+            name: What to call the file in an error.
+
+        Raises:
+            InputError: the extension names a robot that does not exist.
+        """
+        if self.extension is not None:
+            self.extension.check_robots(range(robots), name)
+        if self.extension is None or not self.extension.robots:
+            return [self.point_model(tables)] * robots
+        return [self.point_model(tables, robot=robot) for robot in range(robots)]
+
 
 def _largest_nest(x: float, y: float, reach: float) -> float:
     """m: radius of the largest nest at (x, y) that leaves room for food within `reach` (m)."""
@@ -220,12 +237,6 @@ def load_model(source: Path | str | None = None, *, sensors: Sensing = "required
     return model.point_model(tables)
 
 
-def load_common(source: Path | str | None = None, *, sensors: Sensing = "required") -> PointModel:
-    """As `load_model`, of a file whose extension may set robots apart: what all of them share."""
-    model, tables = _read(source, sensors)
-    return model.point_model(tables)
-
-
 def load_models(source: Path | str | None, robots: int) -> list[PointModel]:
     """What each robot of a swarm believes, with sensors: one point model per robot.
 
@@ -233,11 +244,8 @@ def load_models(source: Path | str | None, robots: int) -> list[PointModel]:
         InputError: as `load_model`; or the file's extension names a robot that does not exist.
     """
     model, tables = _read(source, "required")
-    if model.extension is not None:
-        model.extension.check_robots(range(robots), find_model_file(source).name)
-    if model.extension is None or not model.extension.robots:
-        return [model.point_model(tables)] * robots
-    return [model.point_model(tables, robot=robot) for robot in range(robots)]
+    assert tables is not None
+    return model.of_robots(robots, tables, find_model_file(source).name)
 
 
 def _read(source: Path | str | None, sensors: Sensing) -> tuple[ModelFile, Tables | None]:

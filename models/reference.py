@@ -1,96 +1,69 @@
 """The healthy reference: what healthy robots do beyond the model, and how much they differ.
 
 Made from logs of robots known to be sound. It holds the inherent motion
-(`models.identify.inherent`), for every term of the catalogue the value that healthy robots and
-whole healthy swarms get for it, and the gates: how large a gain and how far a parameter must be
-beyond what health gives. What is named later is what changed.
+(`models.identify.inherent`), how robots and whole swarms differ in every coefficient that may
+differ (`models.naming.health`), and the gates: how much deviance something must take off beyond
+what such differences would. What is named later is what changed.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable
+from functools import cached_property
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 from pydantic import Field, model_validator
 
 from realitygap.embedded_sim import Drive
+from realitygap.embedded_sim.errors import quoted
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.catalogue import every_cause
 from realitygap.models.causes import Motion
 from realitygap.models.files import Finite, Refused, read_json, write_json
+from realitygap.models.identify.detectable import rare
+from realitygap.models.identify.hypothesis import Term
 from realitygap.models.identify.inherent import INHERENT
+from realitygap.models.naming.health import Health
 
 DIRECTORY = Path(__file__).parent / "references"
-SCHEMA = 1
+SCHEMA = 2
 
 
-class Spread(Finite):
-    """What healthy robots get for a term: coordinates (p,), see `models.causes.Parameter`."""
-
-    mean: tuple[float, ...]
-    sd: tuple[float, ...]
-    """Between robots, their own uncertainty taken off."""
-    swarm_mean: tuple[float, ...]
-    swarm_sd: tuple[float, ...]
-    """Between whole swarms (runs)."""
-    farthest: float
-    """Largest distance, in standard deviations, of a healthy robot."""
-    swarm_farthest: float
-
-    def coordinates(self, *, swarm: bool) -> tuple[FloatArray, FloatArray]:
-        """(p,) mean and standard deviation, between robots or between whole swarms."""
-        if swarm:
-            return np.array(self.swarm_mean), np.array(self.swarm_sd)
-        return np.array(self.mean), np.array(self.sd)
-
-
-def check_sizes(terms: Mapping[str, Spread], *, seldom: bool = False) -> None:
-    """Refuse a term with another number of coordinates than its cause has.
-
-    One of a cause that the catalogue does not have is left alone. With `seldom` a term may have
-    been measured of robots alone or of swarms alone.
-    """
-    for key, spread in terms.items():
-        cause = every_cause().get(key.partition("/")[0])
-        size = len(spread.mean) if cause is None else len(cause.parameters)
-        for name in ("mean", "sd", "swarm_mean", "swarm_sd"):
-            found = len(getattr(spread, name))
-            if found != size and not (seldom and found == 0):
-                raise Refused(f"terms.{key}.{name}", f"{found} numbers", f"{size} numbers")
-
-
-class Structure(Finite):
-    """What healthy robots get for a flexible term (`models.identify.structure`)."""
+class Column(Finite):
+    """What healthy robots get for one coefficient (`models.naming.columns`), in its unit."""
 
     mean: float
+    """Beyond the inherent motion."""
     sd: float
     """Between robots, their own uncertainty taken off."""
     swarm_sd: float
-    farthest: float
-    """Largest distance, in standard deviations, of a healthy robot."""
-    swarm_farthest: float
-
-
-UNKNOWN = Structure(mean=0.0, sd=0.0, swarm_sd=0.0, farthest=0.0, swarm_farthest=0.0)
-"""Where there is no reference at all, whatever follows something is beyond the model."""
+    """Between whole swarms (runs)."""
 
 
 class Gates(Finite):
-    """What a name needs beyond what healthy robots show."""
+    """What is beyond health: deviance taken off beyond what its differences would, and errors."""
 
-    gain: float = 12.0
-    """Held-out deviance that a term must take off: odds of 400 to 1."""
-    distance: float = 4.5
-    """Standard deviations from the healthy value, spread and uncertainty together: one in 10 000
-    healthy robots over the whole catalogue. Where healthy robots went further for a term, more."""
-    margin: float = 1.25
-    """Times the farthest healthy robot."""
-    structure: float = 6.0
-    """Standard deviations from health that a flexible term needs to be called unexplained: one in
-    ten million healthy robots by chance alone, because the tails of some sixty terms are not."""
+    cause: float = 30.0
+    """For a name: 5.5 standard deviations from health. Of 400 healthy robots by thirty causes, the
+    farthest comes to 4 or 5."""
+    flexible: float = 40.0
+    """For what follows a measured quantity: 6.3 standard deviations, because the tails of some
+    sixty terms that nothing physical bounds are not normal."""
+    error: float = 5.0
+    """For a prediction: times the median error that tracker noise leaves of a healthy robot by the
+    healthy model, from which on an error is far above them."""
+    margin: float = 1.5
+    """Times the farthest healthy robot's, where that is more."""
+
+    def of(self, windows: int) -> Gates:
+        """As seldom passed by chance where the noise was learned from so few windows."""
+        few = {
+            name: float(rare(float(np.sqrt(gate)), windows)) ** 2
+            for name, gate in (("cause", self.cause), ("flexible", self.flexible))
+        }
+        return self.model_copy(update=few)
 
 
 class Reference(Finite):
@@ -107,13 +80,26 @@ class Reference(Finite):
     """Healthy robots and runs it was made from."""
     inherent: tuple[float, ...]
     """Coordinates of `models.identify.inherent.INHERENT`."""
-    terms: dict[str, Spread] = Field(default_factory=dict)
-    structure: dict[str, Structure] = Field(default_factory=dict)
+    columns: dict[str, Column] = Field(default_factory=dict)
+    """By name of a coefficient."""
+    causes: tuple[str, ...] = ()
+    """Names among them that vary jointly,"""
+    correlation: tuple[tuple[float, ...], ...] = ()
+    """and their correlation between robots, row by row."""
     gates: Gates = Gates()
     command: str = ""
     """What made it."""
     inputs: tuple[dict[str, str], ...] = ()
     """The files it was made from: `option`, `file`, `sha256`."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_this_schema(cls, values: Any) -> Any:
+        """Refuse a reference of another program before its keys are."""
+        if isinstance(values, dict) and values.get("schema_version", SCHEMA) != SCHEMA:
+            expected = f"{SCHEMA}; make it anew with `realitygap reference`"
+            raise Refused("schema_version", quoted(values["schema_version"]), expected)
+        return values
 
     @model_validator(mode="after")
     def _sized(self) -> Reference:
@@ -121,7 +107,13 @@ class Reference(Finite):
         if len(self.inherent) != len(INHERENT.parameters):
             expected = f"{len(INHERENT.parameters)} numbers"
             raise Refused("inherent", f"{len(self.inherent)} numbers", expected)
-        check_sizes(self.terms)
+        square = [len(row) for row in self.correlation]
+        if square != [len(self.causes)] * len(self.causes):
+            expected = f"{len(self.causes)} rows of as many numbers, one per name in causes"
+            raise Refused("correlation", f"rows of {square} numbers", expected)
+        for name in self.causes:
+            if name not in self.columns:
+                raise Refused("causes", repr(name), "names in columns")
         return self
 
     def motion(self, believed: Motion) -> Motion:
@@ -130,33 +122,45 @@ class Reference(Finite):
             return believed
         return INHERENT.applied(believed, np.array(self.inherent))
 
-    def knows(self, key: str) -> bool:
-        """Whether a term was measured in healthy robots, or health is not asked for at all."""
-        return not self.robots or key in self.terms
+    def knows(self, names: Iterable[str]) -> npt.NDArray[np.bool_]:
+        """Which coefficients were measured in healthy robots; all, where health is not asked for.
 
-    def gate(self, key: str, *, swarm: bool = False) -> float:
-        """Distance from health that a term needs; infinite where health is not known."""
-        if not self.knows(key):
-            return math.inf
-        if key not in self.terms:
-            return self.gates.distance
-        found = self.terms[key]
-        farthest = found.swarm_farthest if swarm else found.farthest
-        return max(self.gates.distance, self.gates.margin * farthest)
-
-    def health(self, key: str) -> Structure | None:
-        """What healthy robots get for a flexible term; None: it was not measured."""
-        return self.structure.get(key) if self.robots else UNKNOWN
-
-    def spread(self, key: str, size: int, *, swarm: bool = False) -> tuple[FloatArray, FloatArray]:
-        """(p,) healthy mean and standard deviation of a term's coordinates.
-
-        The latter is infinite where healthy robots were measured and this term was not, and 0 where
-        none were: the model is then taken for health.
+        Whole doses (`models.naming.columns`) have no coefficient: healthy robots have none.
         """
-        if key not in self.terms:
-            return np.zeros(size), np.full(size, 0.0 if self.knows(key) else math.inf)
-        return self.terms[key].coordinates(swarm=swarm)
+        return np.array([not self.robots or "@" in n or n in self.columns for n in names])
+
+    def knows_term(self, term: Term) -> bool:
+        """Whether all of a term's coefficients were measured."""
+        if not term.cause.smooth or not all(np.isfinite(p.null) for p in term.cause.parameters):
+            return True
+        return bool(self.knows(f"{term.key}.{p.name}" for p in term.cause.parameters).all())
+
+    def knows_flexible(self, key: str) -> bool:
+        """Whether what a channel gets for a quantity was measured."""
+        return not self.robots or any(n == key or n.startswith(f"{key} ") for n in self.columns)
+
+    def mean(self, term: Term) -> FloatArray:
+        """(p,) healthy mean of a term's coordinates beyond the inherent motion."""
+        names = [f"{term.key}.{p.name}" for p in term.cause.parameters]
+        return np.array([self.columns[n].mean if n in self.columns else 0.0 for n in names])
+
+    @cached_property
+    def learned(self) -> Health:
+        """The distribution of healthy robots."""
+        names = tuple(self.columns)
+        sd = np.array([one.sd for one in self.columns.values()])
+        related = np.eye(len(names))
+        at = [names.index(name) for name in self.causes]
+        if at:
+            related[np.ix_(at, at)] = np.array(self.correlation)
+        return Health(
+            names=names,
+            mean=np.array([one.mean for one in self.columns.values()]),
+            covariance=related * sd[:, None] * sd,
+            swarm=np.array([one.swarm_sd**2 for one in self.columns.values()]),
+            robots=self.robots,
+            swarms=self.swarms,
+        )
 
 
 def write_reference(reference: Reference, path: Path) -> None:

@@ -6,6 +6,7 @@ text with the unit and the axes of each. The same arrays give the same bytes.
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import zipfile
@@ -43,9 +44,15 @@ SINGLE = ("ps_counts", "ls_counts")
 
 def save_tables(tables: Tables, path: Path) -> None:
     """Write captured tables; the same tables give the same bytes."""
+    path.write_bytes(tables_bytes(tables))
+
+
+def tables_bytes(tables: Tables) -> bytes:
+    """The content of such a file."""
     arrays = {name: np.asarray(getattr(tables, name)) for name in ABOUT}
-    with path.open("wb") as file:
-        np.savez(file, allow_pickle=False, about=np.array(json.dumps(ABOUT)), **arrays)
+    file = io.BytesIO()
+    np.savez(file, allow_pickle=False, about=np.array(json.dumps(ABOUT)), **arrays)
+    return file.getvalue()
 
 
 def load_tables(path: Path) -> Tables:

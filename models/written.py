@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 from realitygap.models.causes import Parameter
 from realitygap.models.extension import NamedCause, ParameterValue
-from realitygap.models.identify.swarm import Named
 from realitygap.models.identify.value import Value
+from realitygap.models.naming.findings import Named
 
 AT = 1e-6
 """Of a parameter's range, within which a value is at its bound: rounding."""

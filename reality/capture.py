@@ -13,8 +13,8 @@ import numpy as np
 
 from realitygap.embedded_sim import SENSORS, Tables
 from realitygap.reality import constants as k
-from realitygap.reality.engine import Engine
 from realitygap.reality.hardware import FloatArray, Hardware
+from realitygap.reality.pybullet_engine import PybulletEngine
 from realitygap.reality.senses import Infrared, Light
 
 PS_DISTANCES, PS_INCIDENCES = 48, 11
@@ -41,7 +41,7 @@ def capture(
     """
     infrared_seed, light_seed = seed.spawn(2)
     hardware = Hardware.nominal(1)
-    engine = Engine()
+    engine = PybulletEngine()
     try:
         engine.add_wall(k.ARENA_RADIUS, 0.0, 0.0, WALL_LENGTH)
         engine.add_epuck([0.0, 0.0, 0.0])
@@ -79,7 +79,10 @@ def _before_wall(sensor_angle: float, distance: float, incidence: float) -> Floa
 
 
 def _capture_infrared(
-    engine: Engine, infrared: Infrared, hardware: Hardware, progress: Callable[[float], None]
+    engine: PybulletEngine,
+    infrared: Infrared,
+    hardware: Hardware,
+    progress: Callable[[float], None],
 ) -> tuple[np.ndarray[tuple[int, ...], np.dtype[np.float32]], FloatArray]:
     """Median counts (8, distances, incidences) and the relative half width of the noise (8,)."""
     distances = k.IR_RANGE * np.linspace(0.0, 1.0, PS_DISTANCES) ** 2
@@ -104,7 +107,7 @@ def _capture_infrared(
     return table, np.full(SENSORS, math.sqrt(3.0) * 1.4826 * pooled)
 
 
-def _read(infrared: Infrared, engine: Engine, pose: FloatArray) -> FloatArray:
+def _read(infrared: Infrared, engine: PybulletEngine, pose: FloatArray) -> FloatArray:
     infrared.sense(engine, pose[np.newaxis])
     return infrared.counts.reshape(SENSORS)
 

@@ -33,6 +33,12 @@ WHEEL_MASS = 0.008
 """kg; our choice."""
 SKID_MASS = 0.001
 """kg; our choice."""
+BODY_INERTIA = tuple(
+    (MASS - 2.0 * WHEEL_MASS - SKID_MASS) / 12.0 * squares
+    for squares in 2 * ((2.0 * BODY_RADIUS) ** 2 + (BODY_TOP - BODY_BOTTOM) ** 2,)
+    + (2.0 * (2.0 * BODY_RADIUS) ** 2,)
+)
+"""kg m^2 about x, y, z of what is neither wheel nor skid: as pybullet has it, of the box around."""
 WHEEL_RADIUS = 0.0205
 """m; argos3-epuck."""
 AXLE = 0.053
@@ -71,6 +77,9 @@ BODY_FRICTION = 0.3
 PHYSICS_STEP = 0.010
 """s."""
 SOLVER_ITERATIONS = 14
+"""Of pybullet."""
+NEWTON_ITERATIONS = 50
+"""Most of MuJoCo's, which stops after a few; with one or two it is wrong."""
 CONTACT_THRESHOLD = 3e-5
 """m; the engine's default of 2 cm keeps stale contacts under rolling wheels."""
 CONTROL_STEP = 0.04

@@ -1,145 +1,54 @@
-"""The only module that talks to pybullet: bodies in, centres of mass and ray hits out.
+"""What the world asks of a physics engine, and the engines that can be asked.
 
-pybullet is frozen upstream (3.2.7) and untyped; what we learnt of its habits is settled here.
+Each is the only module that talks to its library, and is imported when it is asked for.
 """
 
 from __future__ import annotations
 
-import math
-import os
-import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Sequence
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Literal, Protocol, cast, get_args
 
 import numpy as np
 import numpy.typing as npt
 
+from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.reality import constants as k
-
-
-@contextmanager
-def _silence() -> Iterator[None]:
-    """pybullet prints its build time to stderr, from C, when it is imported; nobody asked."""
-    sys.stderr.flush()
-    saved = os.dup(2)
-    try:
-        with open(os.devnull, "wb") as null:
-            os.dup2(null.fileno(), 2)
-        yield
-    finally:
-        os.dup2(saved, 2)
-        os.close(saved)
-
-
-with _silence():
-    import pybullet as bullet
 
 FloatArray = npt.NDArray[np.float64]
 
-# Who collides with whom: wheels and skids only touch the floor, bodies walls and one another.
-# A wheel is a sphere and sticks out of the body; no ray and no neighbour may meet it.
-# A ray's own group is always 1, which whatever it may hit must have in its mask.
-_RAY, _FLOOR, _WALL, _BODY, _WHEEL = 1, 2, 4, 8, 16
-_LEFT, _RIGHT = 0, 1
-_FACET = 2.0 * math.pi / k.WALL_FACETS
-_RING_NORMALS = [(-math.cos(i * _FACET), -math.sin(i * _FACET)) for i in range(k.WALL_FACETS)]
-_PARTS = 15  # of one body: the engine refuses more than 16
-_BASE = -1
+EngineName = Literal["pybullet", "mujoco"]
+ENGINES: tuple[EngineName, ...] = get_args(EngineName)
+DEFAULT: EngineName = "pybullet"
 
 
-class Engine:
-    """One physics world of one process. Rebuilt for every run: that is what makes it repeatable."""
+class Engine(Protocol):
+    """One physics world of one process: a level floor, a wall, robots numbered as they are added.
+
+    Rebuilt for every run: that is what makes it repeatable. All is built before the first step.
+    """
 
     def __init__(
         self,
         *,
         step: float = k.PHYSICS_STEP,
-        iterations: int = k.SOLVER_ITERATIONS,
+        iterations: int | None = None,
         gravity: tuple[float, float, float] = (0.0, 0.0, -k.GRAVITY),
     ) -> None:
         """Open an empty world with a floor.
 
         Args:
             step: s of physics per `advance`.
-            iterations: of the contact and motor solver.
+            iterations: of the contact and motor solver, at most; None: the engine's own choice.
             gravity: m/s^2.
         """
-        self._client: int = bullet.connect(bullet.DIRECT)
-        self._bodies: list[int] = []
-        self._faces: dict[int, tuple[float, float]] = {}  # inward normal of each wall, by body
-        self._ring: set[int] = set()  # bodies of a ring around the origin
-        bullet.setPhysicsEngineParameter(
-            fixedTimeStep=step,
-            numSolverIterations=iterations,
-            contactBreakingThreshold=k.CONTACT_THRESHOLD,
-            deterministicOverlappingPairs=1,
-            enableConeFriction=1,
-            physicsClientId=self._client,
-        )
-        bullet.setGravity(*gravity, physicsClientId=self._client)
-        floor = self._body(0.0, self._shape(bullet.GEOM_PLANE))
-        self._collide(floor, _BASE, _FLOOR, _WHEEL)
-        self._dynamics(floor, _BASE, lateralFriction=1.0)
 
     def close(self) -> None:
         """Free the world."""
-        if self._client >= 0:
-            bullet.disconnect(self._client)
-            self._client = -1
-
-    def add_wall(self, x: float, y: float, yaw: float, length: float) -> None:
-        """A straight wall (m, rad) whose inner face runs through (x, y), facing along -yaw."""
-        half = 0.5 * k.WALL_THICKNESS
-        box = self._shape(bullet.GEOM_BOX, halfExtents=[half, 0.5 * length, 0.5 * k.WALL_HEIGHT])
-        wall = self._body(
-            0.0,
-            box,
-            basePosition=[
-                x + half * math.cos(yaw),
-                y + half * math.sin(yaw),
-                0.5 * k.WALL_HEIGHT,
-            ],
-            baseOrientation=bullet.getQuaternionFromEuler([0.0, 0.0, yaw]),
-        )
-        self._collide(wall, _BASE, _WALL, _BODY | _RAY)
-        self._faces[wall] = (-math.cos(yaw), -math.sin(yaw))
-        self._dynamics(wall, _BASE, lateralFriction=1.0)
 
     def add_ring(self, radius: float = k.ARENA_RADIUS) -> None:
-        """The arena's circular wall: facets, in as few bodies as the engine takes.
-
-        The engine visits every body at every step, the parts of a body only where something is
-        near.
-        """
-        half = 0.5 * k.WALL_THICKNESS
-        length = 2.0 * (radius + k.WALL_THICKNESS) * math.tan(math.pi / k.WALL_FACETS)
-        facet = [half, 0.5 * length, 0.5 * k.WALL_HEIGHT]
-        for first in range(0, k.WALL_FACETS, _PARTS):
-            yaws = [
-                2.0 * math.pi * i / k.WALL_FACETS
-                for i in range(first, min(first + _PARTS, k.WALL_FACETS))
-            ]
-            arc = bullet.createCollisionShapeArray(
-                shapeTypes=[bullet.GEOM_BOX] * len(yaws),
-                halfExtents=[facet] * len(yaws),
-                collisionFramePositions=[
-                    [
-                        (radius + half) * math.cos(yaw),
-                        (radius + half) * math.sin(yaw),
-                        0.5 * k.WALL_HEIGHT,
-                    ]
-                    for yaw in yaws
-                ],
-                collisionFrameOrientations=[
-                    bullet.getQuaternionFromEuler([0.0, 0.0, yaw]) for yaw in yaws
-                ],
-                physicsClientId=self._client,
-            )
-            wall = self._body(0.0, arc)
-            self._collide(wall, _BASE, _WALL, _BODY | _RAY)
-            self._ring.add(wall)
-            self._dynamics(wall, _BASE, lateralFriction=1.0)
+        """The arena's circular wall: `WALL_FACETS` whose middles touch the circle (m)."""
 
     def add_epuck(
         self,
@@ -150,97 +59,18 @@ class Engine:
         wheel_friction: float = k.WHEEL_FRICTION,
     ) -> None:
         """A robot with the middle of its axle at pose (x, y, yaw); wheels stand on the floor."""
-        lift = k.WHEEL_RADIUS  # the base frame: middle of a nominal robot's axle
-        height = k.BODY_TOP - k.BODY_BOTTOM
-        body = self._shape(
-            bullet.GEOM_CYLINDER,
-            radius=k.BODY_RADIUS,
-            height=height,
-            collisionFramePosition=[0.0, 0.0, k.BODY_BOTTOM + 0.5 * height - lift],
-        )
-        wheels = [self._shape(bullet.GEOM_SPHERE, radius=radius) for radius in wheel_radius]
-        skid = self._shape(bullet.GEOM_SPHERE, radius=k.SKID_RADIUS)
-        links = 3
-        places = [
-            [0.0, 0.5 * axle, wheel_radius[_LEFT] - lift],
-            [0.0, -0.5 * axle, wheel_radius[_RIGHT] - lift],
-            [k.SKID, 0.0, k.SKID_RADIUS + k.SKID_CLEARANCE - lift],
-        ]
-        masses = [k.WHEEL_MASS, k.WHEEL_MASS, k.SKID_MASS]
-        com = k.CENTRE_OF_MASS
-        robot = self._body(
-            k.MASS - sum(masses),
-            body,
-            basePosition=[pose[0], pose[1], lift],
-            baseOrientation=bullet.getQuaternionFromEuler([0.0, 0.0, pose[2]]),
-            baseInertialFramePosition=[com[0], com[1], com[2] - lift],
-            linkMasses=masses,
-            linkCollisionShapeIndices=[*wheels, skid],
-            linkVisualShapeIndices=[-1] * links,
-            linkPositions=places,
-            linkOrientations=[[0.0, 0.0, 0.0, 1.0]] * links,
-            linkInertialFramePositions=[[0.0, 0.0, 0.0]] * links,
-            linkInertialFrameOrientations=[[0.0, 0.0, 0.0, 1.0]] * links,
-            linkParentIndices=[0] * links,
-            linkJointTypes=[bullet.JOINT_REVOLUTE, bullet.JOINT_REVOLUTE, bullet.JOINT_FIXED],
-            linkJointAxis=[[0.0, 1.0, 0.0]] * links,
-        )
-        self._collide(robot, _BASE, _BODY, _WALL | _BODY | _RAY)
-        self._dynamics(robot, _BASE, lateralFriction=k.BODY_FRICTION)
-        for link in range(links):
-            self._collide(robot, link, _WHEEL, _FLOOR)
-            friction = wheel_friction if link in (_LEFT, _RIGHT) else 0.0
-            self._dynamics(robot, link, lateralFriction=friction)
-        for link in (_LEFT, _RIGHT):
-            bare = 0.4 * k.WHEEL_MASS * wheel_radius[link] ** 2  # of a sphere
-            self._dynamics(robot, link, localInertiaDiagonal=[bare, k.WHEEL_INERTIA, bare])
-        for link in range(-1, links):
-            self._dynamics(robot, link, linearDamping=0.0)
-            self._dynamics(robot, link, angularDamping=0.0)
-            self._dynamics(robot, link, jointDamping=0.0)
-        self._bodies.append(robot)
 
     def drive(self, robot: int, left: float, right: float, torque: float) -> None:
         """Set the speeds (rad/s) that a robot's two motors hold with at most `torque` (N m)."""
-        bullet.setJointMotorControlArray(
-            self._bodies[robot],
-            (_LEFT, _RIGHT),
-            bullet.VELOCITY_CONTROL,
-            targetVelocities=(left, right),
-            forces=(torque, torque),
-            physicsClientId=self._client,
-        )
 
     def advance(self, steps: int) -> None:
         """Step the physics."""
-        client = self._client
-        for _ in range(steps):
-            bullet.stepSimulation(client)
+
+    def poses(self, out: FloatArray) -> None:
+        """Fill (robots, 3): x, y (m) and yaw (rad) of the middles of the axles."""
 
     def wheel_angles(self, out: FloatArray) -> None:
         """Fill (robots, 2): rad that the left and right wheel have turned against the body."""
-        client = self._client
-        wheels = (_LEFT, _RIGHT)
-        states = [bullet.getJointStates(body, wheels, client) for body in self._bodies]
-        out[:] = [(left[0], right[0]) for left, right in states]
-
-    def centres_of_mass(self, out: FloatArray) -> None:
-        """Fill (robots, 7): position (m) and quaternion (x, y, z, w) of each robot's base."""
-        client = self._client
-        poses = [bullet.getBasePositionAndOrientation(body, client) for body in self._bodies]
-        out[:] = [position + orientation for position, orientation in poses]
-
-    def teleport(self, robot: int, pose: Sequence[float]) -> None:
-        """Put a robot down at rest with the middle of its axle at pose (x, y, yaw)."""
-        c, s = math.cos(pose[2]), math.sin(pose[2])
-        x, y, z = k.CENTRE_OF_MASS
-        bullet.resetBasePositionAndOrientation(
-            self._bodies[robot],
-            [pose[0] + c * x - s * y, pose[1] + s * x + c * y, z],
-            bullet.getQuaternionFromEuler([0.0, 0.0, pose[2]]),
-            physicsClientId=self._client,
-        )
-        bullet.performCollisionDetection(self._client)  # or rays meet the body where it was
 
     def cast(
         self,
@@ -250,44 +80,31 @@ class Engine:
         normals: FloatArray,
         on_robot: npt.NDArray[np.bool_] | None = None,
     ) -> None:
-        """Cast rays (n, 3) in one batch against walls and bodies.
+        """Cast level rays (n, 3) in one batch against the wall and the robots' bodies.
 
         Fills `fraction` (n,), 1 where nothing is hit, `normals` (n, 2), x and y of the surface,
-        and, if given, `on_robot` (n,): whether it is a robot that was hit. A wall's normal is its
-        face's: within a millimetre of a joint the engine's own is that of a box's edge, up to
-        20 deg off.
+        and, if given, `on_robot` (n,): whether it is a robot that was hit. All may be longer.
         """
-        hits: Any = bullet.rayTestBatch(  # it reads lists faster than arrays
-            start.tolist(),
-            end.tolist(),
-            collisionFilterMask=_WALL | _BODY,
-            physicsClientId=self._client,
-        )
-        fraction[: len(hits)] = [hit[2] if hit[0] >= 0 else 1.0 for hit in hits]
-        normals[: len(hits)] = [self._normal(*hit) for hit in hits]
-        if on_robot is not None:
-            on_robot[: len(hits)] = [hit[0] in self._bodies for hit in hits]
 
-    def _normal(
-        self, body: int, _link: int, _share: float, place: Any, normal: Any
-    ) -> Sequence[float]:
-        """x and y of the normal of a surface that a ray met."""
-        if body in self._ring:
-            facet = round(math.atan2(place[1], place[0]) / _FACET)
-            return _RING_NORMALS[facet % k.WALL_FACETS]
-        return self._faces.get(body) or normal[:2]
 
-    def _shape(self, kind: int, **size: Any) -> int:
-        shape: int = bullet.createCollisionShape(kind, physicsClientId=self._client, **size)
-        return shape
+def engine_name(word: str) -> EngineName:
+    """An engine that can be used.
 
-    def _body(self, mass: float, shape: int, **build: Any) -> int:
-        body: int = bullet.createMultiBody(mass, shape, physicsClientId=self._client, **build)
-        return body
+    Raises:
+        InputError: no such engine, or its library is not installed.
+    """
+    if word not in ENGINES:
+        raise InputError("--engine", repr(word), nearest(word, ENGINES))
+    if find_spec(word) is None:
+        raise InputError("--engine", repr(word), f"the extra [{word}] to be installed")
+    return word
 
-    def _collide(self, body: int, link: int, group: int, mask: int) -> None:
-        bullet.setCollisionFilterGroupMask(body, link, group, mask, self._client)
 
-    def _dynamics(self, body: int, link: int, **value: Any) -> None:
-        """One property a call: several at once land on the base."""
-        bullet.changeDynamics(body, link, physicsClientId=self._client, **value)
+def engine_class(name: str) -> type[Engine]:
+    """The class of an engine.
+
+    Raises:
+        InputError: no such engine, or its library is not installed.
+    """
+    module = import_module(f"realitygap.reality.{engine_name(name)}_engine")
+    return cast("type[Engine]", module.ENGINE)

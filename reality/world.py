@@ -12,14 +12,13 @@ import numpy as np
 
 from realitygap.embedded_sim.errors import Diverged, InputError
 from realitygap.reality import constants as k
-from realitygap.reality._optics import lib
 from realitygap.reality.clock import Past
 from realitygap.reality.effects.spec import Hidden
 from realitygap.reality.encoders import Encoders
-from realitygap.reality.engine import Engine
+from realitygap.reality.engine import DEFAULT, engine_class
 from realitygap.reality.hardware import FloatArray, Hardware
 from realitygap.reality.motors import SUBSTEPS, Motors
-from realitygap.reality.senses import Infrared, Light, Radio, Tracker, doubles
+from realitygap.reality.senses import Infrared, Light, Radio, Tracker
 
 
 class World:
@@ -33,6 +32,7 @@ class World:
         effects: Sequence[Hidden] = (),
         poses: FloatArray | None = None,
         lamp_power: float = k.LAMP_POWER,
+        engine: str = DEFAULT,
     ) -> None:
         """Build the arena and put the robots down.
 
@@ -42,9 +42,10 @@ class World:
             effects: What to hide in it.
             poses: (robots, 3) m, m, rad to start from; drawn at random when absent.
             lamp_power: counts m^2.
+            engine: Name of the physics engine.
 
         Raises:
-            InputError: the robots do not fit into the arena.
+            InputError: the robots do not fit into the arena, or the engine is not installed.
         """
         places, food, infrared, light, tracker = (
             np.random.default_rng(child) for child in seed.spawn(5)
@@ -63,12 +64,11 @@ class World:
         self.motors = Motors(hardware)
         self.encoders = Encoders(robots)
         self._past = Past(hardware.clock_delay, self.poses) if hardware.clock_delay.any() else None
+        self._passed: FloatArray = np.zeros((robots, 3))
         self._food_random = food
-        self._raw: FloatArray = np.zeros((robots, 7))
-        self._centre: FloatArray = np.array(k.CENTRE_OF_MASS)
         for item in range(k.FOOD_ITEMS):
             self.tracker.place_food(item, food)
-        self.engine = Engine(gravity=hardware.gravity)
+        self.engine = engine_class(engine)(gravity=hardware.gravity)
         self.engine.add_ring()
         for i in range(robots):
             self.engine.add_epuck(
@@ -84,7 +84,7 @@ class World:
 
     def sense(self) -> None:
         """Fill `infrared.counts`, `light.counts` and the tracker's measured poses."""
-        self._locate(self.poses)
+        self.engine.poses(self.poses)
         if not np.isfinite(self.poses).all():
             robot = int(np.argmin(np.isfinite(self.poses).all(axis=1)))
             raise Diverged(f"the physics diverged at step {self.time_step}, robot {robot}")
@@ -110,14 +110,9 @@ class World:
                 self.motors.drive(self.engine, substep, self.poses)
                 self.engine.advance(1)
                 if self._past is not None:
-                    self._past.add(self._locate(np.empty_like(self.poses)))
+                    self.engine.poses(self._passed)
+                    self._past.add(self._passed)
         self.time_step += 1
-
-    def _locate(self, out: FloatArray) -> FloatArray:
-        """Fill `out` (robots, 3) with where the robots truly are."""
-        self.engine.centres_of_mass(self._raw)
-        lib.rgo_poses(self.robots, doubles(self._raw), doubles(self._centre), doubles(out))
-        return out
 
 
 def scatter(robots: int, random: np.random.Generator) -> FloatArray:

@@ -1,1 +1,106 @@
-"""Measure the reality gap of a robot swarm's simulator: show it, name its cause, close it."""
+"""Measure the reality gap of a robot swarm's simulator: show it, name its cause, close it.
+
+    import realitygap as rg
+
+    log = rg.read_log("log.parquet", model="robot.toml")
+    found = rg.diagnose(log)
+    found.causes, found.extended
+
+The command line calls these functions and nothing else. Units are SI, axes REP-103.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from realitygap.embedded_sim.errors import Diverged, InputError
+    from realitygap.studies import study
+    from realitygap.studies.blind.battery import blind
+    from realitygap.studies.demo.demo import demo
+    from realitygap.studies.diagnosis.diagnose import diagnose
+    from realitygap.studies.diagnosis.result import DiagnosisResult
+    from realitygap.studies.gain.measure import GainFailed, gain
+    from realitygap.studies.gain.result import GainResult
+    from realitygap.studies.gap.measure import GapResult, measure_gap
+    from realitygap.studies.gap.replay import replay
+    from realitygap.studies.health.reference import measure_health
+    from realitygap.studies.hidden.catalogue import causes, effects
+    from realitygap.studies.inputs.imported import import_log, read_log
+    from realitygap.studies.inputs.logs import Log
+    from realitygap.studies.inputs.model import Model
+    from realitygap.studies.plumbing.execution import Unfinished
+    from realitygap.studies.run.capture import capture
+    from realitygap.studies.run.simulate import RunResult, simulate
+    from realitygap.studies.study import StudyResult
+
+_WHERE = {
+    "DiagnosisResult": "studies.diagnosis.result",
+    "Diverged": "embedded_sim.errors",
+    "GainFailed": "studies.gain.measure",
+    "GainResult": "studies.gain.result",
+    "GapResult": "studies.gap.measure",
+    "InputError": "embedded_sim.errors",
+    "Log": "studies.inputs.logs",
+    "Model": "studies.inputs.model",
+    "RunResult": "studies.run.simulate",
+    "StudyResult": "studies.study",
+    "Unfinished": "studies.plumbing.execution",
+    "blind": "studies.blind.battery",
+    "capture": "studies.run.capture",
+    "causes": "studies.hidden.catalogue",
+    "demo": "studies.demo.demo",
+    "diagnose": "studies.diagnosis.diagnose",
+    "effects": "studies.hidden.catalogue",
+    "gain": "studies.gain.measure",
+    "import_log": "studies.inputs.imported",
+    "measure_gap": "studies.gap.measure",
+    "measure_health": "studies.health.reference",
+    "read_log": "studies.inputs.imported",
+    "replay": "studies.gap.replay",
+    "simulate": "studies.run.simulate",
+    "study": "studies",
+}
+"""Module of each public name: imported when it is asked for, so that starting costs little."""
+
+__all__ = [
+    "DiagnosisResult",
+    "Diverged",
+    "GainFailed",
+    "GainResult",
+    "GapResult",
+    "InputError",
+    "Log",
+    "Model",
+    "RunResult",
+    "StudyResult",
+    "Unfinished",
+    "blind",
+    "capture",
+    "causes",
+    "demo",
+    "diagnose",
+    "effects",
+    "gain",
+    "import_log",
+    "measure_gap",
+    "measure_health",
+    "read_log",
+    "replay",
+    "simulate",
+    "study",
+]
+
+
+def __getattr__(name: str) -> Any:
+    where = _WHERE.get(name)
+    if where is None:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name == "study":
+        return importlib.import_module(f"{__name__}.{where}.study")
+    return getattr(importlib.import_module(f"{__name__}.{where}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -136,7 +136,7 @@ def changed(text: str, mutants: Sequence[Mutant], numbers: Sequence[int]) -> str
 
 
 def copied(to: Path) -> None:
-    """Copy the tree as it is, without what git ignores."""
+    """Copy the tree as it is, without what git ignores; the package's links stay links."""
     listed = subprocess.run(
         ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
         cwd=ROOT,
@@ -145,9 +145,10 @@ def copied(to: Path) -> None:
         check=True,
     )
     for name in listed.stdout.split("\0"):
-        if name and (ROOT / name).is_file():
+        there = ROOT / name
+        if name and (there.is_file() or there.is_symlink()):  # a room is a link to a folder
             (to / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(ROOT / name, to / name)
+            shutil.copy2(there, to / name, follow_symlinks=False)
 
 
 def built(tree: Path, mutants: Sequence[Mutant]) -> None:
@@ -253,7 +254,7 @@ def survivors(mutants: Sequence[Mutant], everything: Sequence[Mutant], console: 
         free: SimpleQueue[Copy] = SimpleQueue()
         for k in range(JOBS):
             if k:
-                shutil.copytree(first, Path(scratch) / str(k))
+                shutil.copytree(first, Path(scratch) / str(k), symlinks=True)
             copy = Copy(Path(scratch) / str(k))
             stack.callback(copy.close)
             free.put(copy)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from io import StringIO
+from pathlib import Path
 
 import pytest
 from rich.console import Console
@@ -44,6 +45,12 @@ def test_changes_of_c_are_behind_their_numbers() -> None:
     other = replace(one, old="y", new="0")
     text = mutants.changed("f(x + 1, y)", [one, other], [3, 7])
     assert text == "f((rg_mutant(3) ? (x) : (x + 1)), (rg_mutant(7) ? (0) : (y)))"
+
+
+def test_a_copy_has_a_package_of_its_own(tmp_path: Path) -> None:
+    mutants.copied(tmp_path)
+    for room in ("embedded_sim", "reality", "models", "studies"):
+        assert (tmp_path / "realitygap" / room).resolve() == tmp_path / room
 
 
 @pytest.mark.slow

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes.cause import Cause, Parameter
 from realitygap.models.causes.command_latency import ELSEWHERE, FEIGNS, UNSURE
@@ -12,6 +14,14 @@ from realitygap.models.causes.motion import Motion
 
 def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
     return replace(motion, pose_delay=motion.pose_delay + float(values[0]))
+
+
+STARTS = (0.15, 0.05, -0.05)
+"""s to start from: a delay as long as commands last looks like none in its first millisecond."""
+
+
+def _starts(commands: FloatArray) -> list[FloatArray]:
+    return [np.array([start]) for start in STARTS]
 
 
 CAUSE = Cause(
@@ -37,4 +47,5 @@ CAUSE = Cause(
     twins=("command_latency",),
     separated_by=("wheel_left", "wheel_right"),
     experiment="steps",
+    starts=_starts,
 )

@@ -16,9 +16,7 @@ RUSH, RUSHED = 0.226, 4.2
 motors would gain in one time constant where it does. The point model's motor lags behind its
 command from the first moment; a real one first follows the lag as fast as it can, so that its limit
 matters less, and not at all once the lag is slower than the motor. Measured by injecting lags of 8
-to 100 ms into the rigid-body world, as is `BEHIND`."""
-BEHIND, LONG = 0.0021, 0.010
-"""s by which a lag seems longer than it is, and s of lag from which on it does."""
+to 100 ms into the rigid-body world."""
 STARTS = (0.02, 0.1)
 """s to start from: at the null a lag hides behind the motors' own."""
 FEIGNS = {
@@ -40,12 +38,11 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
     drive = motion.drive
     left, right = drive.acceleration
     faster = _rush(lag, min(left, right))
-    behind = BEHIND * -math.expm1(-((lag / LONG) ** 2)) if lag > 0.0 else 0.0
     return replace(
         motion,
         drive=replace(
             drive,
-            time_constant=max(0.0, drive.time_constant + lag + behind),
+            time_constant=max(0.0, drive.time_constant + lag),
             acceleration=(left * faster, right * faster),
         ),
     )

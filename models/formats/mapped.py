@@ -63,7 +63,7 @@ class Source(Table):
 class Poses(Table):
     """A second file with the poses."""
 
-    file: Path
+    file: Annotated[Path, Field(strict=False)]
     t: Source | str
 
 

@@ -1,17 +1,11 @@
 """What this very log would have shown: per cause and robot, the size from which it is seen.
 
-A cause of a size is counted as seen if with 95 % probability it passes both gates that a name
-needs. *Distance*: it lies so many standard deviations from health, by the fit's error over blocks
-and the healthy spread, of this cause and of whatever else looks like it in this log. Few blocks
-give uncertain errors, so that the gate becomes the quantile of Student's t with the same tail; one
-block tells nothing. *Gain*: it takes off so much deviance. Sizes are those of one cause alone. Of
-causes whose effect grows otherwise than in proportion (limits, dead zones) the sizes tried are
-those from which fits start.
+Of sizes in a fit's coordinates (`models.naming.seen`) those in the units of a cause's parameters.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,12 +15,6 @@ from scipy.special import ndtr, stdtrit
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes import Cause, Motion, causes
 from realitygap.models.causes.withheld import withheld
-from realitygap.models.identify.fit import Problem
-from realitygap.models.identify.hypothesis import Term
-from realitygap.models.identify.measure import strength
-from realitygap.models.identify.screen import Glance, Look, looks
-from realitygap.models.identify.tracks import Tracks
-from realitygap.models.reference import Reference
 
 SURELY = 1.645
 """Standard deviations beyond a gate at which 95 % of normal values pass it."""
@@ -50,27 +38,16 @@ class Seen(NamedTuple):
     null) its value, below which it is seen. NaN where it could not have been seen."""
 
 
-def detectable(tracks: Tracks, motions: Sequence[Motion], reference: Reference) -> list[Seen]:
+def detectable(least: Mapping[str, FloatArray], motions: Sequence[Motion]) -> list[Seen]:
     """Every cause of motion that can be named, by name.
 
     Args:
-        tracks: The log's.
+        least: (robots, p) by key of a term, coordinates from which it is seen.
         motions: (robots,) what each is believed to do; a cause is looked for beyond it.
-        reference: Whose gates and healthy spread count.
     """
-    blocks = _blocks(tracks)
-    by_term: dict[Term, list[Glance]] = {}
-    steps: list[Look] = []
-    for one in looks(Problem(tracks, motions)):
-        by_term.setdefault(one.glance.term, []).append(one.glance)
-        if _linear(one.glance.term) and _is_step(one.glance):
-            steps.append(one)
-    feigned = _feigned(steps, tracks, reference)
     by_name: dict[str, list[FloatArray]] = {}
-    for term, probes in by_term.items():
-        extra = feigned.get(term, np.zeros((len(term.cause.parameters), len(tracks.robots))))
-        found = _coordinates(term, probes, extra, blocks, tracks, reference)
-        by_name.setdefault(term.cause.name, []).append(found)
+    for key, found in least.items():
+        by_name.setdefault(key.partition("/")[0], []).append(found.T)
     seen = []
     for name, cause in causes().items():
         if not cause.identifiable or withheld(name):
@@ -87,7 +64,7 @@ def detectable(tracks: Tracks, motions: Sequence[Motion], reference: Reference) 
         elif stands is not None:
             size = _of_twin(cause, causes()[stands], by_name[stands][0], motions)
         else:
-            size = np.full(len(tracks.robots), np.nan)
+            size = np.full(len(motions), np.nan)
         seen.append(Seen(cause, size))
     return seen
 
@@ -101,99 +78,6 @@ def untold(seen: Sequence[Seen], robots: Sequence[int]) -> dict[int, tuple[str, 
             for k in np.flatnonzero(unseen).tolist():
                 missed[robots[k]] = (*missed.get(robots[k], ()), one.cause.name)
     return missed
-
-
-def _blocks(tracks: Tracks) -> FloatArray:
-    """(robots,) blocks of windows of each."""
-    block, robot = tracks.block, tracks.robot
-    each = np.unique(np.column_stack([robot, block]), axis=0)[:, 0]
-    return np.bincount(each, minlength=len(tracks.robots)).astype(np.float64)
-
-
-def _linear(term: Term) -> bool:
-    """Whether small values of a cause make small changes."""
-    return term.cause.smooth and all(np.isfinite(p.null) for p in term.cause.parameters)
-
-
-def _is_step(probe: Glance) -> bool:
-    """Whether a probe is a small step of one parameter."""
-    k = int(np.argmax(np.abs(probe.unit)))
-    return bool(abs(probe.unit[k]) <= probe.term.cause.parameters[k].step)
-
-
-def _spread(term: Term, reference: Reference) -> FloatArray:
-    """(p,) healthy spread of a term's coordinates, here and elsewhere."""
-    _, sd = reference.spread(term.key, len(term.cause.parameters))
-    return np.asarray(np.hypot(sd, [p.elsewhere for p in term.cause.parameters]))
-
-
-def _feigned(steps: Sequence[Look], tracks: Tracks, reference: Reference) -> dict[Term, FloatArray]:
-    """(p, robots) by term, standard deviation of what healthy differences in everything else feign
-    of its coordinates in this log."""
-    if not steps:
-        return {}
-    wide, columns = [], []
-    for one in steps:
-        k = int(np.argmax(np.abs(one.glance.unit)))
-        spread = float(_spread(one.glance.term, reference)[k])
-        wide.append(spread if np.isfinite(spread) else 0.0)  # unmeasured: nobody knows
-        columns.append(np.sqrt(one.weight) * one.change / one.glance.unit[k])
-    every = np.array(columns)
-    names = [one.glance.term.cause.name for one in steps]
-    apart = np.array([[a != b for b in names] for a in names])
-    row_robot = tracks.robot[tracks.window]
-    found: dict[Term, list[FloatArray]] = {}
-    shares = np.zeros((len(steps), len(tracks.robots)))
-    for robot in np.unique(row_robot).tolist():
-        mine = every[:, row_robot == robot].reshape(len(steps), -1)
-        gram = mine @ mine.T
-        pull = gram / np.maximum(np.diag(gram), np.finfo(float).tiny)[:, None]
-        shares[:, robot] = np.sqrt(((pull * wide) ** 2 * apart).sum(axis=1))
-    for one, share in zip(steps, shares, strict=True):
-        found.setdefault(one.glance.term, []).append(share)
-    return {term: np.array(each) for term, each in found.items()}
-
-
-def _coordinates(
-    term: Term,
-    probes: Sequence[Glance],
-    extra: FloatArray,
-    blocks: FloatArray,
-    tracks: Tracks,
-    reference: Reference,
-) -> FloatArray:
-    """(p, robots) coordinates of a term from which it is seen, or of a probe that is; else NaN."""
-    size = len(term.cause.parameters)
-    wide = _spread(term, reference)
-    gate = reference.gate(term.key)
-    linear = _linear(term)
-    best = np.full((size, len(tracks.robots)), np.nan)
-    if not (np.isfinite(gate) and np.isfinite(wide).all()):
-        return best  # no name without health that was measured
-    for probe in sorted(probes, key=lambda one: float(np.abs(one.unit).max())):
-        k = int(np.argmax(np.abs(probe.unit)))
-        unit = float(strength(term, probe.unit[None], tracks.commands)[0, k])
-        if unit == 0.0:
-            continue
-        health = np.hypot(wide[k], extra[k]) / abs(unit) * term.cause.smooth
-        dose, tried = _dose(probe, health, gate, blocks, reference.gates.gain), abs(probe.unit[k])
-        shown = dose <= 1.0
-        if not np.isfinite(term.cause.parameters[k].null):
-            best[k] = np.where(shown, np.fmax(best[k], tried), best[k])
-        elif not linear:  # the least from which on all are seen
-            best[k] = np.where(shown, np.fmin(best[k], tried), np.nan)
-        elif _is_step(probe):
-            best[k] = np.fmin(best[k], dose * tried)
-        else:
-            best[k] = np.where(shown, np.fmin(best[k], tried), best[k])
-    return best
-
-
-def _dose(probe: Glance, health: float, gate: float, blocks: FloatArray, gain: float) -> FloatArray:
-    """(robots,) multiples of a probe that pass both gates; infinite where none does."""
-    far = np.hypot(rare(gate, blocks) * probe.error, gate * health) + SURELY * probe.error
-    enough = (np.sqrt(gain) + SURELY) / np.sqrt(probe.curvature)
-    return np.where(blocks > 1.0, np.maximum(far, enough), np.inf)
 
 
 def rare(gate: float, blocks: npt.ArrayLike) -> FloatArray:

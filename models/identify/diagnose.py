@@ -9,15 +9,13 @@ from realitygap.models.causes.motor_dead_zone import least_seen
 from realitygap.models.claims import claimed
 from realitygap.models.conditions import conditions
 from realitygap.models.diagnosis import Diagnosis
-from realitygap.models.identify.beside import standing
 from realitygap.models.identify.examination import Examination
-from realitygap.models.identify.leftover import leftover
-from realitygap.models.identify.structure import follows
-from realitygap.models.identify.swarm import identify
 from realitygap.models.identify.tracks import Tracks, cut_tracks
 from realitygap.models.identify.unmeasured import unmeasured
 from realitygap.models.log import MeasuredLog
 from realitygap.models.modelfile import ModelFile
+from realitygap.models.naming.identify import identify
+from realitygap.models.naming.leftover import leftover
 from realitygap.models.reference import Reference, no_reference
 
 FEW_SECONDS = 30.0
@@ -53,21 +51,17 @@ def diagnose(
     believed = [model.motion(robot) for robot in tracks.robots]
     healthy = no_reference(model.name, model.motion().drive) if reference is None else reference
     found = identify(tracks, healthy, believed)
-    structure = follows(tracks, found.explained)
-    left = leftover(tracks, structure, found, healthy)
-    found = standing(tracks, found, structure, left, healthy)
     examined = Examination(
         tracks=tracks,
         model=model,
         reference=healthy,
         identified=found,
-        structure=structure,
         diagnosis=Diagnosis(
             named=found.named,
-            unexplained=left,
+            unexplained=leftover(tracks, found),
             not_checked=(
                 *_not_checked(tracks, reference),
-                *unmeasured(tracks, found.base, healthy, structure),
+                *unmeasured(tracks, found.base, healthy, found.away),
             ),
             notes=log.notes,
             robots=tracks.robots,

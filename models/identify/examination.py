@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 import pandas as pd
 
 from realitygap.models.diagnosis import Diagnosis
-from realitygap.models.identify.structure import Follow
-from realitygap.models.identify.swarm import Identified
 from realitygap.models.identify.tracks import Tracks
 from realitygap.models.modelfile import ModelFile
+from realitygap.models.naming.findings import Identified
 from realitygap.models.reference import Reference
 
 KINDS = ("model as it was", "of a healthy robot", "extended model")
@@ -24,7 +23,6 @@ class Examination:
     model: ModelFile
     reference: Reference
     identified: Identified
-    structure: list[Follow]
     diagnosis: Diagnosis
     errors: pd.DataFrame = field(default_factory=pd.DataFrame)
     """Per `robot`, `seconds` ahead and `kind` of `KINDS` the mean `error` (m) of the predicted

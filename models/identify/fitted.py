@@ -13,7 +13,8 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes import Motion
 from realitygap.models.identify.fit import Problem
 from realitygap.models.identify.hypothesis import Fit, Term, Terms
-from realitygap.models.identify.value import Value, bracket, told, values
+from realitygap.models.identify.threshold import bracket
+from realitygap.models.identify.value import Value, told, values
 
 Robots = tuple[int, ...]
 Key = tuple[Term, Robots]
@@ -61,7 +62,14 @@ def _values(problem: Problem, fit: Fit, one: Told) -> tuple[Value, ...]:
     at, term = fit.part(one.term), one.term
     if not term.cause.smooth:
         parameter = term.cause.parameters[0]
-        found = bracket(problem, fit.terms, fit.coordinates, at.start)
+
+        def deviance(threshold: float) -> float:
+            here = fit.coordinates.copy()
+            here[0, at.start] = threshold
+            return float(problem.losses(problem.residual(fit.terms, here)).sum())
+
+        here = float(fit.coordinates[0, at.start])
+        found = bracket(problem.tracks.commands, here, deviance)
         return (told(parameter, found.mean, found.low, found.high),)
     return values(
         term,

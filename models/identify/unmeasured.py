@@ -8,8 +8,8 @@ import numpy as np
 
 from realitygap.models.causes import Cause, Motion
 from realitygap.models.identify.candidates import candidates, own_starts
-from realitygap.models.identify.structure import CHANNELS, QUANTITIES, Follow
 from realitygap.models.identify.tracks import Tracks
+from realitygap.models.naming.flexible import CHANNELS, QUANTITIES
 from realitygap.models.reference import Reference
 
 MEASURE = "`realitygap reference LOG... --out FILE` of sound robots' logs"
@@ -17,7 +17,7 @@ MEASURE = "`realitygap reference LOG... --out FILE` of sound robots' logs"
 
 
 def unmeasured(
-    tracks: Tracks, base: Sequence[Motion], reference: Reference, structure: Sequence[Follow]
+    tracks: Tracks, base: Sequence[Motion], reference: Reference, flexible: Iterable[str]
 ) -> tuple[str, ...]:
     """Causes and flexible terms that this log could show and the reference says nothing of.
 
@@ -25,7 +25,7 @@ def unmeasured(
         tracks: The log's.
         base: (robots,) healthy motion of each robot.
         reference: What healthy robots do.
-        structure: The log's flexible terms.
+        flexible: Keys of the log's flexible terms.
     """
     shown = [term for term in candidates() if own_starts(term, tracks.commands)]
     said = []
@@ -36,11 +36,14 @@ def unmeasured(
             f"{names}: not told, for neither the model nor a healthy reference says the "
             f"{given} that they are shares of; {MEASURE} does"
         )
-    causes = [term.key for term in shown if not reference.knows(term.key)]
-    follows = [one for one in structure if reference.health(one.key) is None]
-    words = {f"{CHANNELS[one.channel]} depending on {QUANTITIES[one.quantity]}" for one in follows}
+    causes = [term.key for term in shown if not reference.knows_term(term)]
+    unknown = [key for key in flexible if not reference.knows_flexible(key)]
+    words = set()
+    for key in unknown:
+        channel, _, quantity = key.partition("/")
+        words.add(f"{CHANNELS[channel]} depending on {QUANTITIES[quantity]}")
     said += [not_named(causes)] if causes else []
-    if follows and len(follows) == len(structure):
+    if unknown and len(unknown) == len(list(flexible)):
         said.append(not_judged({"anything follows a measured quantity"}))
     elif words:
         said.append(not_judged(words))

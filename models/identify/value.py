@@ -8,18 +8,13 @@ import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes import Parameter
-from realitygap.models.identify.fit import Problem
-from realitygap.models.identify.hypothesis import Term, Terms
+from realitygap.models.identify.hypothesis import Term
 from realitygap.models.identify.measure import strength, uncertainty
-from realitygap.models.identify.residual import deviance
 
 NOMINAL = 1.96
 """Standard deviations of a normal variable on each side of 95 %."""
 MOST_LOG = 700.0
 """Largest logarithm of a number that a computer holds."""
-PROFILE = 6.0
-"""Deviance within which a threshold that jumps between commanded speeds remains possible; twice
-what 95 % of a smooth parameter asks for, because neighbouring speeds are few."""
 
 
 class Value(NamedTuple):
@@ -82,52 +77,3 @@ def told(parameter: Parameter, value: float, low: float, high: float) -> Value:
 def _exp(log: float) -> float:
     """Of any number, however large."""
     return float(np.exp(min(log, MOST_LOG)))
-
-
-class Bracket(NamedTuple):
-    """Where a threshold lies that a log only shows between two commanded speeds."""
-
-    best: float
-    """Middle of the gap between neighbouring speeds that fits best."""
-    mean: float
-    """Over all gaps, each weighted by its width and by how well it fits."""
-    low: float
-    high: float
-    """Ends of the gaps that are not clearly worse."""
-
-
-def bracket(problem: Problem, terms: Terms, coordinates: FloatArray, at: int) -> Bracket:
-    """A threshold that jumps: between neighbouring commanded speeds all its values are the same.
-
-    Args:
-        problem: With a single group.
-        terms: The set.
-        coordinates: (1, p) fitted.
-        at: Column of the threshold.
-    """
-    speed = np.unique(np.abs(problem.tracks.commands))
-    speed = speed[speed > 0.0]
-    here = float(coordinates[0, at])
-    near = int(np.searchsorted(speed, here))
-    chosen = speed[max(0, near - REACH) : near + REACH]
-    edges = np.concatenate([[0.0 if near <= REACH else chosen[0]], chosen])
-    middles = 0.5 * (edges[1:] + edges[:-1])
-    losses = []
-    for middle in middles:
-        tried = coordinates.copy()
-        tried[0, at] = middle
-        rows = deviance(problem.residual(terms, tried), problem.row_scale)
-        losses.append(float(rows.sum()))
-    loss = np.array(losses)
-    possible = np.flatnonzero(loss < loss.min() + PROFILE)
-    weight = np.diff(edges) * np.exp(-2.0 * (loss - loss.min()) / PROFILE)  # its end: two s.d.
-    return Bracket(
-        best=float(middles[np.argmin(loss)]),
-        mean=float(np.average(middles, weights=weight)),
-        low=float(edges[possible[0]]),
-        high=float(edges[possible[-1] + 1]),
-    )
-
-
-REACH = 12
-"""Neighbouring commanded speeds looked at on each side of a threshold."""

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from realitygap.models.identify.consistency import LEAST_BLOCKS, parts
 from realitygap.models.identify.fit import Problem
+from realitygap.models.identify.parts import LEAST_BLOCKS, parts
 
 FAR = 6.0
 """Robust standard deviations of a robot's errors beyond which a row is wild."""
@@ -27,7 +27,7 @@ class Wild(NamedTuple):
     """The part of what a robot does in which its windows are wild most of all."""
 
     part: str
-    """Of `models.identify.consistency.PARTS`."""
+    """Of `models.identify.parts.PARTS`."""
     inside: float
     """Share of wild windows there."""
     outside: float

@@ -16,9 +16,9 @@ from realitygap.models.identify.examination import Examination
 from realitygap.models.identify.fit import Problem
 from realitygap.models.identify.hypothesis import Fit, Term, Terms
 from realitygap.models.identify.predict import poses, wheel_angles
-from realitygap.models.identify.swarm import Named
 from realitygap.models.identify.tracks import LEAST_ROWS, WINDOW, Tracks
 from realitygap.models.identify.twins import TICK
+from realitygap.models.naming.findings import Named
 from realitygap.models.proposal.menu import Flight, Proposal, distance, flights, ranked
 from realitygap.models.schema import ENCODERS
 

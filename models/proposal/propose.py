@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from realitygap.embedded_sim import PointModel, Tables
 from realitygap.models.diagnosis import alternatives
-from realitygap.models.identify.swarm import Named
+from realitygap.models.naming.findings import Named
 from realitygap.models.proposal import motion, senses
 from realitygap.models.proposal.menu import Proposal
 from realitygap.models.senses.cause import SenseCause

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from realitygap.embedded_sim import CONTROL_STEP, SCENARIOS, SENSORS, PointModel
-from realitygap.models.identify.swarm import Named
+from realitygap.models.naming.findings import Named
 from realitygap.models.proposal.menu import Flight, Proposal, distance, flights, ranked
 from realitygap.models.senses import nest
 from realitygap.models.senses.cause import SenseCause

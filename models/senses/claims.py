@@ -25,8 +25,8 @@ from realitygap.models.frames import Rows
 from realitygap.models.harm import harmless, robots_of
 from realitygap.models.held_out import PARTS
 from realitygap.models.identify.fitted import Values
-from realitygap.models.identify.swarm import Named
 from realitygap.models.modelfile import ModelFile
+from realitygap.models.naming.findings import Named
 from realitygap.models.prediction import judged_readings
 from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.diagnose import SenseExamination

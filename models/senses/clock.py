@@ -17,9 +17,9 @@ from realitygap.models.causes import Motion, causes
 from realitygap.models.causes.withheld import withheld
 from realitygap.models.diagnosis import Unexplained
 from realitygap.models.identify.hypothesis import Term
-from realitygap.models.identify.swarm import Named
 from realitygap.models.identify.value import told
 from realitygap.models.information import inverted
+from realitygap.models.naming.findings import Named
 from realitygap.models.senses.predicted import predict
 from realitygap.models.senses.problem import DEGREES, STRETCH, Problem
 from realitygap.models.senses.reference import Level

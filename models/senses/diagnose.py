@@ -13,8 +13,8 @@ from realitygap.models.causes import Motion
 from realitygap.models.diagnosis import Detectable, Unexplained
 from realitygap.models.held_out import parts
 from realitygap.models.identify.fitted import Values
-from realitygap.models.identify.swarm import Named
 from realitygap.models.log import MeasuredLog
+from realitygap.models.naming.findings import Named
 from realitygap.models.schema import LS, PS
 from realitygap.models.senses import nest
 from realitygap.models.senses.cause import Belief

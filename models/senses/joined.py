@@ -10,8 +10,8 @@ from realitygap.models.causes import Motion
 from realitygap.models.claims import claimed
 from realitygap.models.diagnosis import Unexplained
 from realitygap.models.identify.examination import Examination
-from realitygap.models.identify.swarm import Named
 from realitygap.models.log import MeasuredLog
+from realitygap.models.naming.findings import Named
 from realitygap.models.schema import LS, PS
 from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.claims import sense_claims

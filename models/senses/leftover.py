@@ -8,13 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from realitygap.models.diagnosis import Unexplained
-from realitygap.models.identify.structure import pool
-from realitygap.models.reference import UNKNOWN
 from realitygap.models.senses.problem import SWARM, Problem, Term
 from realitygap.models.senses.quantities import QUANTITIES
-from realitygap.models.senses.reference import SenseReference
+from realitygap.models.senses.reference import UNKNOWN, SenseReference
 from realitygap.models.senses.sight import Bools
 from realitygap.models.senses.structure import KINDS, Follow, Structure
+from realitygap.models.senses.structure_health import pool
 
 LEAST_SWARM = 3
 LEAST_GAIN = 30.0

@@ -10,9 +10,8 @@ import numpy as np
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes.cause import ALL
 from realitygap.models.identify import hypothesis as motion
-from realitygap.models.identify.choice import Evidence
-from realitygap.models.identify.swarm import Named
 from realitygap.models.identify.value import Value, told
+from realitygap.models.naming.findings import Evidence, Named
 from realitygap.models.senses.cause import SenseCause
 from realitygap.models.senses.causes import sense_causes
 from realitygap.models.senses.nest import NestFound

@@ -15,8 +15,9 @@ from pydantic import Field, model_validator
 
 from realitygap.embedded_sim.errors import nearest, quoted
 from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.catalogue import every_cause
 from realitygap.models.files import Finite, Refused, read_json, write_json
-from realitygap.models.reference import UNKNOWN, Spread, Structure, check_sizes, find_shipped
+from realitygap.models.reference import find_shipped
 from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.causes import sense_causes
 
@@ -36,6 +37,57 @@ STRUCTURE = 6.0
 """Standard deviations from health that a flexible term needs at least, as in motion."""
 JOINT_MARGIN = 1.1
 """Times what the most conspicuous healthy log reached. Our choice: there are few healthy logs."""
+
+
+class Spread(Finite):
+    """What healthy robots get for a term: coordinates (p,), see `models.causes.Parameter`."""
+
+    mean: tuple[float, ...]
+    sd: tuple[float, ...]
+    """Between robots, their own uncertainty taken off."""
+    swarm_mean: tuple[float, ...]
+    swarm_sd: tuple[float, ...]
+    """Between whole swarms (runs)."""
+    farthest: float
+    """Largest distance, in standard deviations, of a healthy robot."""
+    swarm_farthest: float
+
+    def coordinates(self, *, swarm: bool) -> tuple[FloatArray, FloatArray]:
+        """(p,) mean and standard deviation, between robots or between whole swarms."""
+        if swarm:
+            return np.array(self.swarm_mean), np.array(self.swarm_sd)
+        return np.array(self.mean), np.array(self.sd)
+
+
+def check_sizes(terms: Mapping[str, Spread], *, seldom: bool = False) -> None:
+    """Refuse a term with another number of coordinates than its cause has.
+
+    One of a cause that the catalogue does not have is left alone. With `seldom` a term may have
+    been measured of robots alone or of swarms alone.
+    """
+    for key, spread in terms.items():
+        cause = every_cause().get(key.partition("/")[0])
+        size = len(spread.mean) if cause is None else len(cause.parameters)
+        for name in ("mean", "sd", "swarm_mean", "swarm_sd"):
+            found = len(getattr(spread, name))
+            if found != size and not (seldom and found == 0):
+                raise Refused(f"terms.{key}.{name}", f"{found} numbers", f"{size} numbers")
+
+
+class Structure(Finite):
+    """What healthy robots get for a flexible term (`models.senses.structure`)."""
+
+    mean: float
+    sd: float
+    """Between robots, their own uncertainty taken off."""
+    swarm_sd: float
+    farthest: float
+    """Largest distance, in standard deviations, of a healthy robot."""
+    swarm_farthest: float
+
+
+UNKNOWN = Structure(mean=0.0, sd=0.0, swarm_sd=0.0, farthest=0.0, swarm_farthest=0.0)
+"""Where there is no reference at all, whatever follows something is beyond the model."""
 
 
 class Health(Spread):

@@ -7,9 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.identify.structure import pool
-from realitygap.models.reference import Structure
-from realitygap.models.senses.reference import gate_of
+from realitygap.models.senses.reference import Structure, gate_of
 
 LEAST_LOGS = 3
 """Healthy logs that a term must show in."""
@@ -72,3 +70,9 @@ def _reach(rows: FloatArray, band: Structure) -> float:
         far_swarm = abs(mean - band.mean) / np.hypot(error, band.swarm_sd)
         reached = max(reached, float(far_swarm) / gate_of(band, swarm=True))
     return reached
+
+
+def pool(size: FloatArray, error: FloatArray) -> tuple[float, float]:
+    """What several robots say together: their mean weighted by certainty, and its error."""
+    weight = 1.0 / np.maximum(error, 1e-12) ** 2
+    return float((weight * size).sum() / weight.sum()), float(1.0 / np.sqrt(weight.sum()))

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from realitygap.models.causes.withheld import withheld
 from realitygap.models.diagnosis import Unexplained
-from realitygap.models.identify.swarm import Named
+from realitygap.models.naming.findings import Named
 
 SEEN = {
     "ir_dead_sensor": ("infrared", "sensor", "infrared sensor {} reads zero whatever is before it"),

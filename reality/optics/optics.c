@@ -54,6 +54,42 @@ int32_t rgo_rays(const rgo_optics *o, int32_t robots, const double *poses, const
     return count;
 }
 
+void rgo_cast(int32_t count, const double *from, const double *to, int32_t robots,
+              const double *poses, double body_radius, int32_t facets, const double *outward,
+              double wall_radius, double *fraction, double *normals, uint8_t *on_robot) {
+    for (int32_t r = 0; r < count; r++) {
+        const double px = from[3 * r], py = from[3 * r + 1];
+        const double dx = to[3 * r] - px, dy = to[3 * r + 1] - py, length = sqrt(dx * dx + dy * dy);
+        const double ux = dx / length, uy = dy / length;
+        double nearest = length, nx = 0.0, ny = 0.0;
+        uint8_t robot = 0;
+        for (int32_t f = 0; f < facets; f++) {
+            const double ox = outward[2 * f], oy = outward[2 * f + 1];
+            const double towards = ux * ox + uy * oy;
+            if (towards <= 0.0)
+                continue;
+            const double away = fmax((wall_radius - px * ox - py * oy) / towards, 0.0);
+            if (away < nearest)
+                nearest = away, nx = -ox, ny = -oy;
+        }
+        for (int32_t j = 0; j < robots; j++) {
+            const double qx = poses[3 * j] - px, qy = poses[3 * j + 1] - py;
+            const double along = qx * ux + qy * uy, aside = qx * uy - qy * ux;
+            const double half = body_radius * body_radius - aside * aside;
+            if (along <= 0.0 || half <= 0.0)
+                continue;
+            const double away = fmax(along - sqrt(half), 0.0);
+            if (away < nearest) {
+                nearest = away, robot = 1;
+                nx = (away * ux - qx) / body_radius, ny = (away * uy - qy) / body_radius;
+            }
+        }
+        fraction[r] = nearest / length;
+        normals[2 * r] = nx, normals[2 * r + 1] = ny;
+        on_robot[r] = robot;
+    }
+}
+
 /* A gross outlier of the infrared: off by more than half, a third of them zero. */
 static double outlier(double uniform) {
     return uniform < 1.0 / 3.0   ? 0.0

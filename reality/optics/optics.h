@@ -34,6 +34,15 @@ void rgo_poses(int32_t robots, const double *bodies, const double *centre_of_mas
 int32_t rgo_rays(const rgo_optics *o, int32_t robots, const double *poses, const double *angles,
                  double *from, double *to, int32_t *owner);
 
+/* What level rays (count, 3) meet, exactly: upright cylinders about poses (robots, 3), and a wall
+ * of straight facets, each through radius * its outward normal (facets, 2). Fills the fraction of
+ * each ray (count,), 1 where nothing is hit, the normal there (count, 2), and whether a robot is
+ * hit (count,). A ray that starts inside a body, or behind the wall, and goes on into it meets it
+ * at once. */
+void rgo_cast(int32_t count, const double *from, const double *to, int32_t robots,
+              const double *poses, double body_radius, int32_t facets, const double *outward,
+              double wall_radius, double *fraction, double *normals, uint8_t *on_robot);
+
 /* Counts (robots, 8) from ray hits: fraction of the range (1: nothing), the hit's normal (x, y) and
  * its reflectance, 1 for the nominal surface. gauss, uniform: (2, robots, 8) random numbers.
  * amplitude, outliers, offset (counts), noise (on both noises): (robots, 8). */

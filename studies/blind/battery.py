@@ -2,25 +2,83 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+from realitygap.reality.engine import DEFAULT, engine_name
 from realitygap.studies.blind.directory import BlindDirectory
 from realitygap.studies.blind.examiner import ask
+from realitygap.studies.blind.known import known_effects
 from realitygap.studies.blind.record import Diagnosed, Task, run_trial
 from realitygap.studies.blind.report import write_report
 from realitygap.studies.blind.summary import summarise
-from realitygap.studies.blind.trials import BlindConfig, plan
-from realitygap.studies.execution import Unfinished, Workers
-from realitygap.studies.manifest import made
-from realitygap.studies.output import whole_file
-from realitygap.studies.progress import Progress
-from realitygap.studies.provenance import write_json
+from realitygap.studies.blind.trials import BlindConfig, blind_config, plan
+from realitygap.studies.plumbing.execution import Unfinished, Workers
+from realitygap.studies.plumbing.manifest import made
+from realitygap.studies.plumbing.output import whole_file
+from realitygap.studies.plumbing.progress import Progress
+from realitygap.studies.plumbing.provenance import write_json
 
 
 class TrialsFailed(Unfinished):
     """Some trials could not be recorded; the others are kept."""
+
+
+def blind(
+    out: Path | str,
+    *,
+    trials: int = 200,
+    seed: int = 0,
+    only: Sequence[str] = (),
+    at_bars: bool = False,
+    crowd: int = 1,
+    kinds: Sequence[str] = (),
+    leave_one_out: bool = False,
+    seconds: Sequence[float] = (),
+    engine: str = DEFAULT,
+    jobs: int | None = None,
+    scheduler: str | None = None,
+    quiet: bool = True,
+) -> dict[str, Any]:
+    """Hide effects at random, diagnose each log in a process that has nothing else, and score.
+
+    Args:
+        out: The battery's directory; an unfinished one is resumed.
+        trials: Runs; a larger number extends a battery.
+        seed: Everything random follows from it.
+        only: Effects to draw from; all that the diagnosis knows if absent.
+        at_bars: Every effect exactly at its bar, in 120 s.
+        crowd: Robots of a run that each have an effect of their own.
+        kinds: healthy, single, swarm, pair or unlisted, in turn; single at the bars, else all.
+        leave_one_out: Hide effects whose cause the diagnosis must do without.
+        seconds: Lengths of the logs (s); 120 most often, 60 or 240 if absent.
+        engine: Physics of the world: pybullet or mujoco.
+        jobs: Processes; all cores if absent.
+        scheduler: Address of a Dask scheduler whose workers have this program.
+        quiet: Otherwise how far it has come is told on standard error.
+
+    Returns:
+        The content of `blind.json`.
+
+    Raises:
+        InputError: a value cannot be used, `out` cannot, or the scheduler does not answer.
+        Unfinished: trials raised errors of their own; the same call goes on with them.
+    """
+    lengths = {"seconds": tuple(seconds)} if seconds else {}
+    config = blind_config(
+        trials=trials,
+        seed=seed,
+        effects=tuple(only) or known_effects(),
+        at_bars=at_bars,
+        kinds=tuple(kinds),
+        leave_one_out=leave_one_out,
+        crowd=crowd,
+        engine=engine_name(engine),
+        **lengths,
+    )
+    return run_battery(config, Path(out), Workers.chosen(jobs, scheduler), quiet=quiet)
 
 
 def run_battery(

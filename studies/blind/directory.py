@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from realitygap.studies.blind.trials import BlindConfig, Trial
-from realitygap.studies.manifest import Pieces
-from realitygap.studies.output import whole_file
-from realitygap.studies.provenance import as_json_bytes, versions, write_json
-from realitygap.studies.resumed import begun_with, check_ours, check_same, locked
+from realitygap.studies.plumbing.manifest import Pieces
+from realitygap.studies.plumbing.output import whole_file
+from realitygap.studies.plumbing.provenance import as_json_bytes, versions, write_json
+from realitygap.studies.plumbing.resumed import begun_with, check_ours, check_same, locked
 
 TRIAL = "trial.json"
 

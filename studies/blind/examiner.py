@@ -21,11 +21,13 @@ from functools import cache
 from pathlib import Path
 from select import select
 from threading import Lock
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from realitygap.studies.diagnosis_request import Request
-from realitygap.studies.lifetime import end_with, tied
-from realitygap.studies.rooms import scratch
+from realitygap.studies.plumbing.lifetime import deaf, end_with, tied
+from realitygap.studies.plumbing.rooms import scratch
+
+if TYPE_CHECKING:
+    from realitygap.studies.diagnosis.result import DiagnosisResult
 
 LOG = "samples.parquet"
 TIMEOUT = 900.0
@@ -132,21 +134,21 @@ def ask(given: Path, withheld: tuple[str, ...] = ()) -> Answer:
 
 def _started() -> subprocess.Popen[str]:
     """A session of its own: an interrupt is for who asks, whose end it sees."""
-    return subprocess.Popen(
-        tied(
-            (sys.executable, "-c", "from realitygap.studies.blind.examiner import serve; serve()")
-        ),
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        env={**os.environ, **THREADS},
-        text=True,
-        start_new_session=True,
-    )
+    command = (sys.executable, "-c", "from realitygap.studies.blind.examiner import serve; serve()")
+    with deaf():
+        return subprocess.Popen(
+            tied(command),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env={**os.environ, **THREADS},
+            text=True,
+            start_new_session=True,
+        )
 
 
 def serve() -> None:
     """Answer every line of standard input, a question, with its number and an exit code."""
-    from realitygap.studies.diagnosis_files import content_of  # loaded once, before any fork
+    from realitygap.studies.diagnosis.diagnose import diagnose  # loaded once, before any fork
 
     examiner = os.getpid()
     for line in sys.stdin:
@@ -156,7 +158,7 @@ def serve() -> None:
             end_with(examiner)
             os.dup2(2, 1)  # what a library may print is no answer
             try:
-                _answer(content_of, Path(given), tuple(withheld), Path(answer))
+                _answer(diagnose, Path(given), tuple(withheld), Path(answer))
             except BaseException as error:
                 sys.stderr.write(f"examiner: {type(error).__name__}: {error}\n")
                 os._exit(1)
@@ -168,7 +170,7 @@ def serve() -> None:
 
 
 def _answer(
-    content_of: Callable[[Request], dict[str, Any]],
+    diagnose: Callable[..., DiagnosisResult],
     given: Path,
     withheld: tuple[str, ...],
     answer: Path,
@@ -176,7 +178,7 @@ def _answer(
     os.chdir(given)
     said: Answer
     try:
-        said = content_of(Request(logs=(Path(LOG),), without=withheld)), None
+        said = dict(diagnose(LOG, without=withheld).content), None
     except Exception as error:
         said = None, f"{type(error).__name__}: {error}"
     answer.write_text(json.dumps(said, allow_nan=False), encoding="utf-8")

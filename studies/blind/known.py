@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from realitygap.models.catalogue import every_cause
-from realitygap.studies.blind.menu import MENU
+from realitygap.studies.hidden.menu import MENU
 
 
 def known_effects() -> tuple[str, ...]:

@@ -16,9 +16,9 @@ from typing import Any
 from realitygap.studies.blind.examiner import LOG, THREADS, TIMEOUT, Answer, ask
 from realitygap.studies.blind.trials import Trial
 from realitygap.studies.blind.unlisted import UNLISTED
-from realitygap.studies.experiment import ANONYMOUS, simulate
-from realitygap.studies.lifetime import tied
-from realitygap.studies.rooms import scratch
+from realitygap.studies.plumbing.lifetime import tied
+from realitygap.studies.plumbing.rooms import scratch
+from realitygap.studies.run.experiment import ANONYMOUS, simulate
 
 COMMAND = (sys.executable, "-c", "from realitygap.studies.cli import main; main()", "diagnose")
 """`realitygap diagnose`, by this interpreter."""

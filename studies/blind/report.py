@@ -11,11 +11,11 @@ import seaborn as sns
 from matplotlib.figure import Figure
 
 from realitygap.studies.blind.directory import BlindDirectory
-from realitygap.studies.blind.menu import MENU
 from realitygap.studies.blind.scoring import outcome
 from realitygap.studies.blind.summary import ABSTAINED, Result, results
-from realitygap.studies.output import whole_file
-from realitygap.studies.paper.page import Picture, Section, Table, write_page
+from realitygap.studies.hidden.menu import MENU
+from realitygap.studies.pages.page import Picture, Section, Table, write_page
+from realitygap.studies.plumbing.output import whole_file
 
 COLOURS = {"named": "#2a9d8f", "ambiguous": "#f2b134", "no name": "#9aa5b1", "wrong": "#b3261e"}
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from realitygap.studies.blind.trials import Hidden, Trial
-from realitygap.studies.shares import as_told
+from realitygap.studies.hidden.shares import as_told
 
 CANNOT_TELL = "cannot_tell"
 """The verdict on a log that could not have shown what might be wrong."""

@@ -13,11 +13,11 @@ from realitygap.studies.blind.directory import BlindDirectory
 from realitygap.studies.blind.left_out import FOLLOWS as LEFT_OUT_FOLLOWS
 from realitygap.studies.blind.left_out import quantity_right, unknowns
 from realitygap.studies.blind.limits import LENGTH, detection_limit, share
-from realitygap.studies.blind.menu import MENU
 from realitygap.studies.blind.scoring import CANNOT_TELL, Score, of_robots, outcome, score
 from realitygap.studies.blind.trials import Trial
 from realitygap.studies.blind.unlisted import FOLLOWS
-from realitygap.studies.provenance import versions
+from realitygap.studies.hidden.menu import MENU
+from realitygap.studies.plumbing.provenance import versions
 
 SCHEMA = 1
 ABSTAINED = ("ambiguous", "unexplained", "nothing_wrong", CANNOT_TELL, "failed")

@@ -15,10 +15,11 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.reality.effects import catalogue
-from realitygap.studies.blind.menu import MENU, STRANGE, Value
+from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.studies.blind.unlisted import UNLISTED
-from realitygap.studies.experiment import Case, Controller, RunConfig, Seed
-from realitygap.studies.settings import checked
+from realitygap.studies.hidden.menu import MENU, STRANGE, Value
+from realitygap.studies.run.experiment import Case, Controller, RunConfig, Seed
+from realitygap.studies.run.settings import checked
 
 Kind = Literal["healthy", "single", "pair", "unlisted", "left_out", "rest"]
 """`left_out`: an effect whose cause the diagnosis must do without; `rest`: the robots of a crowd
@@ -56,6 +57,7 @@ class BlindConfig(BaseModel):
     trials: Annotated[int, Field(ge=1, le=100_000)] = 200
     seed: Seed = 0
     robots: Annotated[int, Field(ge=3, le=100)] = 10
+    engine: EngineName = DEFAULT
     effects: tuple[str, ...] = ()
     """To draw from; none: a battery of healthy runs."""
     at_bars: bool = False
@@ -269,5 +271,6 @@ def _trial(
         minutes=seconds / 60.0,
         robots=config.robots,
         seed=int(random.integers(2**31)),
+        engine=config.engine,
     )
     return Trial(index, kind, seconds, run, hidden)

@@ -10,9 +10,9 @@ from typing import Any
 import typer
 
 from realitygap.embedded_sim.errors import LONGEST_EXPECTED, Diverged, InputError, shown
-from realitygap.studies.lifetime import Ended, deafened, listening
-from realitygap.studies.rooms import clear_temporary, close_rooms
-from realitygap.studies.streams import open_streams
+from realitygap.studies.plumbing.lifetime import Ended, deafened, listening
+from realitygap.studies.plumbing.rooms import clear_temporary, close_rooms
+from realitygap.studies.plumbing.streams import open_streams
 
 app = typer.Typer(
     name="realitygap",
@@ -36,6 +36,7 @@ COMMANDS = (
     "gain",
     "effects",
     "blind",
+    "measure",
 )
 """Modules of this package; importing one adds its command to `app`."""
 

@@ -7,15 +7,24 @@ from typing import Annotated
 
 import typer
 
+import realitygap as rg
 from realitygap.studies.cli import app
-from realitygap.studies.cli.options import Jobs, Quiet, Scheduler, Seed, within
+from realitygap.studies.cli.options import (
+    Engine,
+    Jobs,
+    Quiet,
+    Scheduler,
+    Seed,
+    out_option,
+    within,
+)
 from realitygap.studies.cli.resume import resumable
 from realitygap.studies.cli.say import say
 
 
 @app.command(epilog="Example: realitygap blind --trials 60 --seed 3 --out out/blind")
 def blind(
-    out: Annotated[Path, typer.Option(help="The battery's directory; an unfinished one resumes.")],
+    out: Annotated[Path, out_option("The battery's directory; an unfinished one resumes.")],
     trials: Annotated[
         int,
         typer.Option(callback=within(1, 100_000), help="Runs; a larger number extends a battery."),
@@ -23,6 +32,7 @@ def blind(
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     seed: Seed = 0,
+    engine: Engine = "pybullet",
     only: Annotated[
         list[str] | None,
         typer.Option(help="Effect to draw from, repeatable; all the diagnosis knows if absent."),
@@ -60,25 +70,22 @@ def blind(
     Writes blind.json, report.html, figures/ and a file per trial. Stopped or killed, the same
     command goes on with the trials that are missing.
     """
-    from realitygap.studies.blind.battery import run_battery
-    from realitygap.studies.blind.known import known_effects
-    from realitygap.studies.blind.trials import blind_config
-    from realitygap.studies.execution import Workers
-
-    effects = tuple(only) if only else known_effects()
-    lengths = {"seconds": tuple(seconds)} if seconds else {}
-    config = blind_config(
-        trials=trials,
-        seed=seed,
-        effects=effects,
-        at_bars=at_bars,
-        kinds=tuple(kind or ()),
-        leave_one_out=leave_one_out,
-        crowd=crowd,
-        **lengths,
-    )
     with resumable():
-        summary = run_battery(config, out, Workers.chosen(jobs, scheduler), quiet=quiet)
+        summary = rg.blind(
+            out,
+            trials=trials,
+            seed=seed,
+            engine=engine,
+            only=only or (),
+            at_bars=at_bars,
+            crowd=crowd,
+            kinds=kind or (),
+            leave_one_out=leave_one_out,
+            seconds=seconds or (),
+            jobs=jobs,
+            scheduler=scheduler,
+            quiet=quiet,
+        )
     if not quiet:
         wrong, healthy = summary["wrong_names"], summary["healthy_robots_accused"]
         say(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import Force, Out, Quiet, Seed
 
@@ -16,16 +17,8 @@ def capture(
     quiet: Quiet = False,
 ) -> None:
     """Put a nominal robot before wall and lamp and write the table of what its sensors read."""
-    import numpy as np
+    from realitygap.studies.plumbing.progress import Progress
 
-    from realitygap.models import load_tables, save_tables
-    from realitygap.reality.capture import capture as drive_protocol
-    from realitygap.studies.output import readable, whole_file
-    from realitygap.studies.progress import Progress
-
-    with (
-        whole_file(out, force=force, ours=readable(load_tables)) as part,
-        Progress("capture", 1.0, quiet) as shown,
-    ):
-        save_tables(drive_protocol(np.random.SeedSequence(seed), shown.reach), part)
+    with Progress("capture", 1.0, quiet) as shown:
+        rg.capture(out, seed=seed, force=force, reach=shown.reach)
     shown.say(f"sensor tables in {out}")

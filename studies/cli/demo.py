@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
+import realitygap as rg
 from realitygap.studies.cli import app
-from realitygap.studies.cli.options import Force, Jobs, Quiet, Seed
+from realitygap.studies.cli.options import Engine, Force, Jobs, Quiet, Seed, out_option
 from realitygap.studies.cli.say import say
 
 EXAMPLE = """Example: realitygap demo --out out/demo --seed 3"""
@@ -16,8 +15,9 @@ EXAMPLE = """Example: realitygap demo --out out/demo --seed 3"""
 
 @app.command(epilog=EXAMPLE)
 def demo(
-    out: Annotated[Path, typer.Option(help="Where to write.")] = Path("out/demo"),
+    out: Annotated[Path, out_option("Where to write.")] = Path("out/demo"),
     seed: Seed = 0,
+    engine: Engine = "pybullet",
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -27,17 +27,6 @@ def demo(
     Two to three minutes on two cores. Writes report.html, demo.json, demo.png and what each
     chapter made; sealed.json holds what was hidden and is read only at the end.
     """
-    from realitygap.studies.demo.chapters import tell
-    from realitygap.studies.demo.report import write_report
-    from realitygap.studies.demo.story import Size, as_json, verdict_line
-    from realitygap.studies.execution import Workers
-    from realitygap.studies.output import whole_directory
-    from realitygap.studies.provenance import write_json
-
-    workers = Workers.chosen(jobs, None)
-    with whole_directory(out, force=force, holds=("demo.json", "run.json")) as part:
-        story = tell(seed, Size(), part, workers, quiet=quiet)
-        write_json(part / "demo.json", as_json(story))
-        write_report(story, part)
+    story = rg.demo(out, seed=seed, engine=engine, jobs=jobs, force=force, quiet=quiet)
     if not quiet:
-        say(f"{verdict_line(story).capitalize()}. See {out / 'report.html'}")
+        say(f"{story.verdict.capitalize()}. See {out / 'report.html'}")

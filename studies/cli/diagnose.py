@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import Force, Model, Out, Quiet, Seed
 from realitygap.studies.cli.say import say
@@ -35,20 +36,19 @@ def diagnose(
 
     Writes diagnosis.json, extended.toml (the model with what was named) and report.html.
     """
-    from realitygap.studies.diagnosis_files import diagnose_files
-    from realitygap.studies.diagnosis_request import Request
-    from realitygap.studies.diagnosis_words import verdict_sentence
-    from realitygap.studies.progress import Stages
+    from realitygap.studies.plumbing.progress import Stages
 
-    request = Request(
-        logs=tuple(log),
-        model=model,
-        reference=reference,
-        seed=seed,
-        without=tuple(without or ()),
-    )
     with Stages("diagnose", quiet) as shown:
-        found = diagnose_files(request, out, force=force, begin=shown.begin)
+        found = rg.diagnose(
+            log,
+            model=model,
+            reference=reference,
+            seed=seed,
+            without=without or (),
+            out=out,
+            force=force,
+            begin=shown.begin,
+        )
     if not quiet:
-        say(verdict_sentence(found))
+        say(found.sentence)
         say(f"{out / 'report.html'}: written")

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
+import realitygap as rg
 from realitygap.studies.cli import app
+from realitygap.studies.cli.options import Force, out_option
 from realitygap.studies.cli.say import say
 
 
 @app.command(epilog="Example: realitygap effects | less")
 def effects(
+    out: Annotated[
+        Path | None, out_option("Write them as Markdown instead; must not exist yet.")
+    ] = None,
+    force: Force = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Names alone, a line each.")] = False,
 ) -> None:
     """Print the catalogue: names and keys for --effect, physics, and the cause that is named.
@@ -20,27 +27,26 @@ def effects(
     """
     from rich.console import Console
 
-    from realitygap.studies.catalogue import KINDS, entries
-
+    table = rg.effects(out=out, force=force)
+    if out is not None:
+        return
     if quiet:
-        for kind in KINDS:
-            for entry in entries(kind):
-                say(entry.effect.name)
+        for name in table["effect"]:
+            say(name)
         return
     console = Console(highlight=False)
 
     def write(text: str, style: str = "") -> None:
         console.print(text, style=style, markup=False, soft_wrap=not console.is_terminal)
 
-    for kind, heading in KINDS.items():
-        write(heading.upper(), "bold")
-        for entry in entries(kind):
-            effect = entry.effect
-            write(f"\n  {effect.name}" + ("" if effect.per_robot else "  (place)"), "bold cyan")
-            for key in entry.keys:
+    for kind, part in table.groupby("kind", sort=False):
+        write(str(kind).upper(), "bold")
+        for one in part.to_dict("records"):
+            write(f"\n  {one['effect']}" + ("  (place)" if one["place"] else ""), "bold cyan")
+            for key in one["keys"]:
                 write(f"      {key}")
-            write(f"      physics: {effect.physics}")
-            write(f"      diagnosis: {entry.cause or 'not in its catalogue'}")
-            if entry.confusable_with:
-                write(f"      confusable with: {', '.join(entry.confusable_with)}")
+            write(f"      physics: {one['physics']}")
+            write(f"      diagnosis: {one['cause'] or 'not in its catalogue'}")
+            if one["confusable_with"]:
+                write(f"      confusable with: {', '.join(one['confusable_with'])}")
         write("")

@@ -7,8 +7,19 @@ from typing import Annotated
 
 import typer
 
+import realitygap as rg
 from realitygap.studies.cli import app
-from realitygap.studies.cli.options import MOST_RUNS, Force, Jobs, Minutes, Out, Quiet, Seed, within
+from realitygap.studies.cli.options import (
+    MOST_RUNS,
+    Engine,
+    Force,
+    Jobs,
+    Minutes,
+    Out,
+    Quiet,
+    Seed,
+    within,
+)
 from realitygap.studies.cli.say import say
 
 EXAMPLE = (
@@ -42,6 +53,7 @@ def gain(
     ] = 6,
     minutes: Minutes = 2.0,
     seed: Seed = 0,
+    engine: Engine = "pybullet",
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -52,32 +64,29 @@ def gain(
     and, where the truth is known, of the true parameters. Writes gain.json, errors.parquet and
     report.html. The gain in food is measured by `realitygap study transfer`.
     """
-    from realitygap.studies.gain.measure import GainFailed, measure_gain
-    from realitygap.studies.gain.report import write_gain
-    from realitygap.studies.gain.request import GainRequest
-    from realitygap.studies.output import whole_directory
-    from realitygap.studies.progress import Progress
+    from realitygap.studies.plumbing.progress import Progress
 
-    request = GainRequest(
-        logs=tuple(log),
-        extended=extended,
-        effects=tuple(effect or ()),
-        healthy=tuple(healthy or ()),
-        transfer=transfer,
-        runs=runs,
-        minutes=minutes,
-        seed=seed,
-        jobs=jobs,
-    )
     try:
-        with whole_directory(out, force=force, holds=("gain.json",)) as part:
-            with Progress("gain", 1.0, quiet) as shown:
-                found = measure_gain(request, shown.reach)
-            lines = write_gain(found, part)
-    except GainFailed as error:
+        with Progress("gain", 1.0, quiet) as shown:
+            found = rg.gain(
+                log,
+                extended,
+                effects=effect or (),
+                healthy=healthy or (),
+                transfer=transfer,
+                runs=runs,
+                minutes=minutes,
+                seed=seed,
+                engine=engine,
+                jobs=jobs,
+                out=out,
+                force=force,
+                reach=shown.reach,
+            )
+    except rg.GainFailed as error:
         say(f"realitygap: {error}", err=True)
         raise typer.Exit(1) from None
     if not quiet:
-        for line in lines:
+        for line in found.summary:
             say(line)
         say(f"{out / 'report.html'}: written")

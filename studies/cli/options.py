@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -23,7 +23,28 @@ def within(low: int, high: int) -> Callable[[typer.CallbackParam, int | None], i
     return check
 
 
-Out = Annotated[Path, typer.Option(help="Where to write; must not exist yet.")]
+Engine = Annotated[
+    str,
+    typer.Option(
+        "--engine",
+        help="Physics of the world: pybullet, or mujoco (the extra [mujoco]).",
+    ),
+]
+
+
+def target(given: str | Path) -> Path:
+    """A path to write to. Python would take no text for the directory one is in."""
+    if not str(given):
+        raise typer.BadParameter("got '', expected a path")
+    return Path(given)
+
+
+def out_option(text: str) -> Any:
+    """`--out` of a command that describes it by `text`."""
+    return typer.Option("--out", parser=target, metavar="<path>", help=text)
+
+
+Out = Annotated[Path, out_option("Where to write; must not exist yet.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace what is there.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Say nothing but errors.")]
 Model = Annotated[
@@ -68,6 +89,4 @@ Scheduler = Annotated[
     ),
 ]
 
-StudyOut = Annotated[
-    Path, typer.Option("--out", help="The study's directory; an unfinished one is resumed.")
-]
+StudyOut = Annotated[Path, out_option("The study's directory; an unfinished one is resumed.")]

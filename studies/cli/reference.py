@@ -7,8 +7,19 @@ from typing import Annotated
 
 import typer
 
+import realitygap as rg
 from realitygap.studies.cli import app
-from realitygap.studies.cli.options import MOST_RUNS, Force, Jobs, Model, Out, Quiet, Seed, within
+from realitygap.studies.cli.options import (
+    MOST_RUNS,
+    Engine,
+    Force,
+    Jobs,
+    Model,
+    Out,
+    Quiet,
+    Seed,
+    within,
+)
 
 EXAMPLE = """Example: realitygap reference healthy1.parquet healthy2.parquet --out lab.json"""
 
@@ -31,6 +42,7 @@ def reference(
         bool, typer.Option("--manoeuvres", help="Record the manoeuvres of probe:NAME in turn.")
     ] = False,
     seed: Seed = 0,
+    engine: Engine = "pybullet",
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -41,18 +53,19 @@ def reference(
     the kind of motion you will diagnose. With --runs, healthy swarms of the nominal world are
     recorded first: random search without light and co-evolution with it, two minutes each.
     """
-    from realitygap.studies.progress import Progress
-    from realitygap.studies.reference_files import ReferenceRequest, write_reference_of
+    from realitygap.studies.plumbing.progress import Progress
 
-    request = ReferenceRequest(
-        logs=tuple(log or ()),
-        runs=runs,
-        manoeuvres=manoeuvres,
-        seed=seed,
-        model=model,
-        jobs=jobs,
-    )
-    total = float(len(request.logs) + 2 * runs)
-    with Progress("reference", total, quiet) as shown:
-        made = write_reference_of(request, out, force=force, reach=shown.reach)
+    with Progress("reference", 1.0, quiet) as shown:
+        made = rg.measure_health(
+            log or (),
+            out=out,
+            model=model,
+            runs=runs,
+            manoeuvres=manoeuvres,
+            seed=seed,
+            engine=engine,
+            jobs=jobs,
+            force=force,
+            reach=shown.reach,
+        )
     shown.say(f"{made.robots} healthy robots in {made.swarms} runs: {out}")

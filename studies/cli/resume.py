@@ -7,16 +7,15 @@ from contextlib import contextmanager
 
 import typer
 
+import realitygap as rg
 from realitygap.studies.cli.say import say
 
 
 @contextmanager
 def resumable() -> Iterator[None]:
     """Turn work that ended before it was whole into one line and exit code 1."""
-    from realitygap.studies.execution import Unfinished
-
     try:
         yield
-    except Unfinished as error:
+    except rg.Unfinished as error:
         say(f"realitygap: {error}; start the command again to go on", err=True)
         raise typer.Exit(1) from None

@@ -6,9 +6,11 @@ from typing import Annotated
 
 import typer
 
+import realitygap as rg
 from realitygap.embedded_sim.probes import MENU
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import (
+    Engine,
     Force,
     Genome,
     Minutes,
@@ -53,39 +55,38 @@ def run(
     ] = "default",
     trials: Trials = 1,
     genome: Genome = "paper",
+    engine: Engine = "pybullet",
     no_samples: Annotated[bool, typer.Option("--no-samples", help="No samples.parquet.")] = False,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Let a swarm forage in the pybullet world and write what was measured.
+    """Let a swarm forage in a rigid-body world and write what was measured.
 
     Writes run.json, generations.parquet, deposits.parquet, samples.parquet (the measured log) and,
     apart from them, truth.json: what was hidden with --effect.
     """
-    from realitygap.studies.experiment import simulate
-    from realitygap.studies.output import whole_directory
-    from realitygap.studies.progress import Progress
-    from realitygap.studies.settings import run_config
+    from realitygap.studies.plumbing.progress import Progress
 
-    config = run_config(
-        case=case,
-        controller=controller,
-        minutes=minutes,
-        robots=robots,
-        seed=seed,
-        model=model,
-        reading=reading,
-        trials=trials,
-        genome=genome,
-        samples=not no_samples,
-    )
-    with (
-        whole_directory(out, force=force, holds=("run.json",)) as part,
-        Progress("run", config.steps, quiet) as shown,
-    ):
-        totals = simulate(config, tuple(effect or ()), part, shown.reach)
-    speed = config.minutes * 60.0 / totals["wall_seconds"]
+    with Progress("run", 1.0, quiet) as shown:
+        found = rg.simulate(
+            case=case,
+            controller=controller,
+            minutes=minutes,
+            robots=robots,
+            seed=seed,
+            engine=engine,
+            effects=effect or (),
+            model=model,
+            reading=reading,
+            trials=trials,
+            genome=genome,
+            samples=not no_samples,
+            out=out,
+            force=force,
+            reach=shown.reach,
+        )
+    speed = found.config.minutes * 60.0 / found.totals["wall_seconds"]
     shown.say(
-        f"{totals['deposits']:.0f} items brought to the nest, "
+        f"{found.totals['deposits']:.0f} items brought to the nest, "
         f"{speed:.0f} times real time; tables in {out}"
     )

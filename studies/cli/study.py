@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
+import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import (
     MOST_RUNS,
+    Engine,
     Jobs,
     Minutes,
     OnBoard,
@@ -42,6 +42,7 @@ def paper(
     minutes: Minutes = 60.0,
     robots: Robots = 10,
     seed: Seed = 0,
+    engine: Engine = "pybullet",
     model: OnBoard = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
@@ -54,8 +55,20 @@ def paper(
     figures/ and report.html. Stopped or killed, the same command goes on with the runs that are
     missing.
     """
-    asked = {"runs": runs, "minutes": minutes, "robots": robots, "seed": seed, "model": model}
-    _study("paper", asked, out, jobs, scheduler, quiet)
+    with resumable():
+        found = rg.study.paper(
+            out,
+            runs=runs,
+            minutes=minutes,
+            robots=robots,
+            seed=seed,
+            engine=engine,
+            model=model,
+            jobs=jobs,
+            scheduler=scheduler,
+            quiet=quiet,
+        )
+    say_outcome(found, quiet)
 
 
 @study.command(epilog="Example: realitygap study readings --runs 2 --minutes 10 --out out/readings")
@@ -67,6 +80,7 @@ def readings(
     minutes: Minutes = 30.0,
     robots: Robots = 10,
     seed: Seed = 0,
+    engine: Engine = "pybullet",
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     quiet: Quiet = False,
@@ -77,26 +91,23 @@ def readings(
     neutral; lamps whose contrast fades at 0.6, 1 and 2 m. Writes readings.csv, dependence.csv,
     study.parquet, generations.parquet, figures/ and report.html; resumes like `study paper`.
     """
-    asked = {"runs": runs, "minutes": minutes, "robots": robots, "seed": seed}
-    _study("readings", asked, out, jobs, scheduler, quiet)
-
-
-def _study(
-    name: str,
-    asked: Mapping[str, Any],
-    out: Path,
-    jobs: int | None,
-    scheduler: str | None,
-    quiet: bool,
-) -> None:
-    """Run what is missing, then write the tables and the report."""
-    from realitygap.studies.execution import Workers
-    from realitygap.studies.paper.conditions import study_config
-    from realitygap.studies.paper.study import run_study
-
-    config = study_config(study=name, **asked)
     with resumable():
-        found = run_study(config, out, Workers.chosen(jobs, scheduler), quiet=quiet)
+        found = rg.study.readings(
+            out,
+            runs=runs,
+            minutes=minutes,
+            robots=robots,
+            seed=seed,
+            engine=engine,
+            jobs=jobs,
+            scheduler=scheduler,
+            quiet=quiet,
+        )
+    say_outcome(found, quiet)
+
+
+def say_outcome(found: rg.StudyResult, quiet: bool) -> None:
+    """What came out, and where it is written."""
     if not quiet:
-        typer.echo(found)
-        typer.echo(f"{out / 'report.html'}: written")
+        typer.echo(found.outcome)
+        typer.echo(f"{found.path / 'report.html'}: written")

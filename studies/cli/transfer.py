@@ -7,8 +7,10 @@ from typing import Annotated
 
 import typer
 
+import realitygap as rg
 from realitygap.studies.cli.options import (
     MOST_RUNS,
+    Engine,
     Genome,
     Jobs,
     Minutes,
@@ -21,7 +23,7 @@ from realitygap.studies.cli.options import (
     within,
 )
 from realitygap.studies.cli.resume import resumable
-from realitygap.studies.cli.study import study
+from realitygap.studies.cli.study import say_outcome, study
 
 EXAMPLE = "Example: realitygap study transfer --effect window-at-nest --runs 3 --out out/transfer"
 
@@ -53,6 +55,7 @@ def transfer(
     genome: Genome = "paper",
     robots: Robots = 10,
     seed: Seed = 0,
+    engine: Engine = "pybullet",
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     quiet: Quiet = False,
@@ -62,26 +65,22 @@ def transfer(
     Writes transfer.json, transfer.csv, runs.csv, figures/ and report.html. Stopped or killed, the
     same command goes on with the runs that are missing.
     """
-    from realitygap.studies.execution import Workers
-    from realitygap.studies.settings import run_config
-    from realitygap.studies.transfer.alterations import chosen
-    from realitygap.studies.transfer.plan import transfer_config
-    from realitygap.studies.transfer.study import run_transfer
-
-    checked = run_config(case=case, robots=robots, genome=genome)
-    config = transfer_config(
-        alterations=chosen(tuple(effect or ()), checked.case, robots),
-        runs=runs,
-        bars=bars,
-        minutes=minutes,
-        robots=robots,
-        seed=seed,
-        trials=trials,
-        genome=genome,
-        extended=None if extended is None else str(extended),
-    )
     with resumable():
-        found = run_transfer(config, out, Workers.chosen(jobs, scheduler), quiet=quiet)
-    if not quiet:
-        typer.echo(found)
-        typer.echo(f"{out / 'report.html'}: written")
+        found = rg.study.transfer(
+            out,
+            effects=effect or (),
+            case=case,
+            extended=extended,
+            runs=runs,
+            bars=bars,
+            minutes=minutes,
+            trials=trials,
+            genome=genome,
+            robots=robots,
+            seed=seed,
+            engine=engine,
+            jobs=jobs,
+            scheduler=scheduler,
+            quiet=quiet,
+        )
+    say_outcome(found, quiet)

@@ -8,7 +8,7 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 
 from realitygap.models.log import SAMPLES
-from realitygap.studies.altered import MODEL, AlteredRun, Files, keep, read_files, run_altered
+from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.studies.blind.examiner import LOG
 from realitygap.studies.blind.record import diagnose
 from realitygap.studies.blind.scoring import score
@@ -21,15 +21,13 @@ from realitygap.studies.demo.story import (
     gap_line,
     named_line,
     table,
-    verdict_line,
 )
-from realitygap.studies.execution import Workers, completed
-from realitygap.studies.experiment import ANONYMOUS, FIXED_GENOMES, RunConfig
-from realitygap.studies.gain.measure import measure_gain
-from realitygap.studies.gain.report import write_gain
-from realitygap.studies.gain.request import GainRequest
-from realitygap.studies.progress import Progress
-from realitygap.studies.rooms import scratch
+from realitygap.studies.gain.measure import gain
+from realitygap.studies.plumbing.execution import Workers, completed
+from realitygap.studies.plumbing.progress import Progress
+from realitygap.studies.plumbing.rooms import scratch
+from realitygap.studies.run.altered import MODEL, AlteredRun, Files, keep, read_files, run_altered
+from realitygap.studies.run.experiment import ANONYMOUS, FIXED_GENOMES, RunConfig
 
 CHAPTERS = (
     "hide",
@@ -43,7 +41,15 @@ CHAPTERS = (
 )
 
 
-def tell(seed: int, size: Size, out: Path, workers: Workers, *, quiet: bool) -> Story:
+def tell(
+    seed: int,
+    size: Size,
+    out: Path,
+    workers: Workers,
+    *,
+    engine: EngineName = DEFAULT,
+    quiet: bool,
+) -> Story:
     """Live through the story and leave its files in `out`.
 
     Leaves sealed.json, before/ and after/ (the first run of each), diagnosis/ and gain/.
@@ -51,7 +57,7 @@ def tell(seed: int, size: Size, out: Path, workers: Workers, *, quiet: bool) -> 
     Raises:
         RuntimeError: a run failed, or the sealed file was changed.
     """
-    story = Story(seed, size, draw(seed))
+    story = Story(seed, size, draw(seed), engine)
     with _chapter(1, quiet) as shown:
         story.digest = seal(story.secret, _config(story, 0), out / "sealed.json")
         shown.say(f"    something is hidden in reality; sealed as {story.digest[:16]}…")
@@ -75,7 +81,7 @@ def tell(seed: int, size: Size, out: Path, workers: Workers, *, quiet: bool) -> 
     with _chapter(8, quiet) as shown:
         story.truth = unseal(out / "sealed.json", story.digest)
         story.score = score(_trial(story), story.diagnosis)
-        shown.say(f"    {verdict_line(story)}")
+        shown.say(f"    {story.verdict}")
     return story
 
 
@@ -99,6 +105,7 @@ def _config(story: Story, index: int, controller: str = "coevolution") -> RunCon
         seed=run_seed(story.seed, index),
         trials=story.size.trials if controller == "coevolution" else 1,
         samples=index == 0 and controller == "coevolution",
+        engine=story.engine,
     )
 
 
@@ -162,18 +169,18 @@ def _gain(story: Story, out: Path, workers: Workers, reach: Callable[[float], No
     """Predictions in fresh runs, which nothing was named from."""
     if story.diagnosis is None:
         return
-    request = GainRequest(
-        logs=(out / "after" / SAMPLES,),
-        extended=str(out / "diagnosis" / MODEL),
+    story.gain = gain(
+        out / "after" / SAMPLES,
+        out / "diagnosis" / MODEL,
         effects=story.secret.effects,
         runs=story.size.held_out,
         minutes=story.size.held_out_minutes,
         seed=run_seed(story.seed, story.size.pairs),
+        engine=story.engine,
         jobs=workers.jobs,
+        out=out / "gain",
+        reach=reach,
     )
-    story.gain = measure_gain(request, reach)
-    (out / "gain").mkdir()
-    write_gain(story.gain, out / "gain")
 
 
 def _trial(story: Story) -> Trial:

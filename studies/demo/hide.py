@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from realitygap.reality import constants as k
-from realitygap.studies.blind.menu import MENU, Value
 from realitygap.studies.blind.trials import Hidden
-from realitygap.studies.experiment import Case, RunConfig
-from realitygap.studies.provenance import write_json
+from realitygap.studies.hidden.menu import MENU, Value
+from realitygap.studies.plumbing.provenance import write_json
+from realitygap.studies.run.experiment import Case, RunConfig
 
 DRAW = 5
 """Spawn key of the draw, our choice: with it the default seed draws what changes food most."""

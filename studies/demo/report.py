@@ -7,12 +7,12 @@ from pathlib import Path
 import pandas as pd
 
 from realitygap.studies.demo.picture import draw_story, value_text
-from realitygap.studies.demo.story import Story, gap_line, verdict_line
+from realitygap.studies.demo.story import Story, gap_line
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
 from realitygap.studies.gain.words import LABELS, number, percent
-from realitygap.studies.paper.page import Picture, Section, Table, write_page
-from realitygap.studies.picture import draw_run
-from realitygap.studies.rooms import scratch
+from realitygap.studies.pages.page import Picture, Section, Table, write_page
+from realitygap.studies.plumbing.rooms import scratch
+from realitygap.studies.run.picture import draw_run
 
 IN_ONE_PICTURE = (
     "Left: how far predictions are off, in fresh runs that nothing was named from. Middle: what "
@@ -57,7 +57,7 @@ def _lead(story: Story) -> str:
         f"{story.size.robots} robots look for food. Each carries a small simulator of itself in "
         "which it tries out ways to behave. Something was changed in their world that the "
         f"simulator does not know: {story.secret.plainly}. A program that saw "
-        f"nothing but the robots' log had to find out. {verdict_line(story).capitalize()}."
+        f"nothing but the robots' log had to find out. {story.verdict.capitalize()}."
     )
 
 
@@ -98,7 +98,7 @@ def _named(story: Story) -> Section:
         "else, in a process and a directory of its own."
     )
     failed = [f"It gave no answer: {story.failure}."] if story.diagnosis is None else []
-    found = [f"{verdict_line(story).capitalize()}."]
+    found = [f"{story.verdict.capitalize()}."]
     tables = [Table.of(pd.DataFrame(rows))] if rows else []
     return Section("What was named", [told, *failed, *found], tables=tables)
 

@@ -8,11 +8,12 @@ from typing import Any
 
 import pandas as pd
 
-from realitygap.studies.altered import Files
+from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.studies.blind.scoring import Score
 from realitygap.studies.demo.hide import Secret
 from realitygap.studies.fitness_gap.by_third import coevolution_gap
-from realitygap.studies.gain.measure import Gain
+from realitygap.studies.gain.result import GainResult
+from realitygap.studies.run.altered import Files
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +41,7 @@ class Story:
     seed: int
     size: Size
     secret: Secret
+    engine: EngineName = DEFAULT
     digest: str = ""
     before: list[Files] = field(default_factory=list)
     after: list[Files] = field(default_factory=list)
@@ -47,7 +49,7 @@ class Story:
     diagnosis: dict[str, Any] | None = None
     """Of `diagnosis.json`; None: the diagnosis failed."""
     failure: str = ""
-    gain: Gain | None = None
+    gain: GainResult | None = None
     truth: dict[str, Any] = field(default_factory=dict)
     score: Score | None = None
 
@@ -59,6 +61,22 @@ class Story:
     def bars(self) -> dict[str, float]:
         """Items per minute of the fixed controllers."""
         return {name: self.food([run])[0] for name, run in self.fixed.items()}
+
+    @property
+    def verdict(self) -> str:
+        """What was hidden, and whether it was found."""
+        found, hidden = self.score, self.secret.hidden
+        assert found is not None
+        hid = f"hidden was {hidden.name}"
+        if found.exact:
+            return f"{hid}: rightly named, and nothing else"
+        if found.right[0]:
+            return (
+                f"{hid}: rightly named, but {', '.join(found.wrong) or 'more'} was named beside it"
+            )
+        if found.among[0]:
+            return f"{hid}: among the candidates that the log could not tell apart"
+        return f"{hid}: not named"
 
 
 def table(run: Files, name: str) -> pd.DataFrame:
@@ -93,20 +111,6 @@ def named_line(story: Story) -> str:
     return f"{story.diagnosis['verdict'].replace('_', ' ')}: {', '.join(names) or 'nothing'}"
 
 
-def verdict_line(story: Story) -> str:
-    """What was hidden, and whether it was found."""
-    found, hidden = story.score, story.secret.hidden
-    assert found is not None
-    hid = f"hidden was {hidden.name}"
-    if found.exact:
-        return f"{hid}: rightly named, and nothing else"
-    if found.right[0]:
-        return f"{hid}: rightly named, but {', '.join(found.wrong) or 'more'} was named beside it"
-    if found.among[0]:
-        return f"{hid}: among the candidates that the log could not tell apart"
-    return f"{hid}: not named"
-
-
 def as_json(story: Story) -> dict[str, Any]:
     """The content of `demo.json`."""
     found = story.score
@@ -115,6 +119,7 @@ def as_json(story: Story) -> dict[str, Any]:
     return {
         "schema": 1,
         "seed": story.seed,
+        "engine": story.engine,
         "sealed_sha256": story.digest,
         "hidden": story.truth,
         "diagnosis": {

@@ -12,7 +12,7 @@ from realitygap.embedded_sim import CONTROL_STEP, InputError
 from realitygap.embedded_sim.onboard import GENERATION_STEPS
 from realitygap.models.opened import parsing
 from realitygap.models.table_files import read_parquet
-from realitygap.studies.experiment import HALVES
+from realitygap.studies.run.experiment import HALVES
 
 COLUMNS = (
     *("run", "robot", "generation", "t_start", "t_end", "case"),

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from realitygap.embedded_sim.errors import InputError
 from realitygap.embedded_sim.tables import Tables
-from realitygap.models.modelfile import ModelFile, find_model_file, read_model_file
-from realitygap.models.tables import load_tables
+from realitygap.models.modelfile import ModelFile
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, ORACLE
+from realitygap.studies.inputs.model import Model
 
 
 @dataclass(frozen=True)
@@ -45,15 +45,13 @@ class Compared:
             self.file.extension.check_robots(known, self.name)
 
 
-def read_compared(extended: str) -> Compared:
-    """The models of an `extended.toml`.
+def compared(extended: Model) -> Compared:
+    """The models that an extended one is compared with.
 
     Raises:
-        InputError: it cannot be read, or extends nothing.
+        InputError: it extends nothing.
     """
-    path = find_model_file(extended)
-    file = read_model_file(path)
-    if file.extension is None:
-        raise InputError("--extended", path, "a model with a table [extension], as of diagnose")
-    tables = None if file.sensors is None else load_tables(path.parent / file.sensors.tables)
-    return Compared(path.name, file, file.model_copy(update={"extension": None}), tables)
+    if extended.file.extension is None:
+        expected = "a model with a table [extension], as of diagnose"
+        raise InputError("--extended", extended.path or extended.label, expected)
+    return Compared(extended.label, extended.file, extended.minimal().file, extended.tables)

@@ -6,7 +6,6 @@ that the extension was not named from. Logs of robots known to be sound stand be
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,19 +14,16 @@ from typing import Any
 import pandas as pd
 
 from realitygap.embedded_sim.errors import InputError
-from realitygap.embedded_sim.model import Drive
-from realitygap.models.diagnosis import file_hash
-from realitygap.models.log import EXPECTED, SAMPLES, read_log, read_table
 from realitygap.models.modelfile import ModelFile
-from realitygap.models.opened import json_values, opened, parsing
+from realitygap.models.opened import json_values, parsing
 from realitygap.models.schema import coerce
-from realitygap.models.table_files import MOST_BYTES
 from realitygap.reality.effects import Hidden, parse_effects
 from realitygap.studies.gain.compared import Compared
 from realitygap.studies.gain.request import GainRequest
 from realitygap.studies.gain.runs import HEALTHY, Given, HeldOut, Recorded, plan
 from realitygap.studies.gain.truth import concerned, hidden_in, told, true_model
-from realitygap.studies.settings import run_config
+from realitygap.studies.inputs.logs import Source, log_hash, read_logs
+from realitygap.studies.run.settings import run_config
 
 ROBOTS = 10
 """Of a recorded run, where no log says how many there are."""
@@ -57,7 +53,7 @@ def choose(request: GainRequest, models: Compared) -> Chosen:
     return replace(chosen, tasks=(*chosen.tasks, *_sound(request.healthy, models)))
 
 
-def _fresh(request: GainRequest, models: Compared, naming: Sequence[Path]) -> Chosen:
+def _fresh(request: GainRequest, models: Compared, naming: Sequence[Source]) -> Chosen:
     """Fresh runs and their healthy twins."""
     robots = _robots(request.logs)
     hidden = parse_effects(request.effects, robots)
@@ -72,58 +68,65 @@ def _fresh(request: GainRequest, models: Compared, naming: Sequence[Path]) -> Ch
         "minutes": request.minutes,
         "robots": robots,
         "seed": request.seed,
+        "engine": request.engine,
     }
     altered, twins = plan(request.effects, judged=judged, **settings), plan((), **settings)
     drive = models.file.nominal_drive
     tasks = [Recorded(run, models.named(true), models.tables, drive) for run in altered]
     tasks += [Recorded(run, {HEALTHY: models.plain}, models.tables, drive) for run in twins]
-    seen = [_kind(path) for path in naming]
+    seen = [_kind(one.path) for one in naming]
     return Chosen((*tasks,), [_notes(run, seen) for run in altered], judged, true is not None)
 
 
-def _of_logs(request: GainRequest, models: Compared, held: Sequence[Path]) -> Chosen:
+def _of_logs(request: GainRequest, models: Compared, held: Sequence[Source]) -> Chosen:
     """A lab's runs; the truth is known where it lies beside them."""
     if not held:
         raise InputError(
             "--log",
-            ", ".join(map(str, request.logs)),
+            ", ".join(one.name for one in request.logs),
             "a log that the extension was not named from, or --effect to record fresh runs",
         )
-    truths = [hidden_in(path) for path in held]
+    truths = [_hidden_in(one) for one in held]
     known = truths[0] if all(one == truths[0] for one in truths) else None
     true = None if known is None else true_model(models.plain, known)
     judged = _judged(models, known or ())
     given = _given(held, models, true, judged)
     models.check_robots({int(robot) for task in given for robot in task.table["robot"].unique()})
-    runs = [{"run": str(path)} for path in held]
+    runs = [{"run": one.name} for one in held]
     return Chosen((*given,), runs, judged, true is not None)
 
 
-def _apart(logs: Sequence[Path], file: ModelFile) -> tuple[list[Path], list[Path]]:
+def _apart(logs: Sequence[Source], file: ModelFile) -> tuple[list[Source], list[Source]]:
     """The logs that the extension was not named from, and those it was."""
-    files = [path / SAMPLES if os.path.isdir(path) else path for path in logs]
-    for source in files:
-        with opened(source, EXPECTED, most=MOST_BYTES, field="--log"):
-            pass
+    digests = [log_hash(one, "--log") for one in logs]
     named_from = "" if file.extension is None else file.extension.log
-    if file_hash(files) == named_from:
+    if log_hash(logs, "--log") == named_from:
         return [], list(logs)
-    naming = [p for p, f in zip(logs, files, strict=True) if file_hash([f]) == named_from]
-    return [path for path in logs if path not in naming], naming
+    both = list(zip(logs, digests, strict=True))
+    return (
+        [one for one, digest in both if digest != named_from],
+        [one for one, digest in both if digest == named_from],
+    )
 
 
-def _robots(logs: Sequence[Path]) -> int:
+def _robots(logs: Sequence[Source]) -> int:
     """How many robots a recorded run must have for the logs' robots to exist."""
-    tables = [read_table(path) for path in logs]
+    tables = [one.table() for one in logs]
     return max((int(coerce(t)["robot"].max()) + 1 for t in tables if "robot" in t), default=ROBOTS)
 
 
-def _check_truth(naming: Sequence[Path], hidden: Sequence[Hidden]) -> None:
+def _check_truth(naming: Sequence[Source], hidden: Sequence[Hidden]) -> None:
     """Refuse effects other than those of the run that the extension was named from."""
-    for path in naming:
-        truth = hidden_in(path)
+    for one in naming:
+        truth = _hidden_in(one)
         if truth is not None and told(truth) != told(hidden):
-            raise InputError("--effect", told(hidden), f"what was hidden in {path}: {told(truth)}")
+            expected = f"what was hidden in {one.name}: {told(truth)}"
+            raise InputError("--effect", told(hidden), expected)
+
+
+def _hidden_in(log: Source) -> tuple[Hidden, ...] | None:
+    """What was hidden in a log, where somebody knows."""
+    return None if log.path is None else hidden_in(log.path)
 
 
 def _judged(models: Compared, hidden: Sequence[Hidden]) -> frozenset[int] | None:
@@ -134,10 +137,10 @@ def _judged(models: Compared, hidden: Sequence[Hidden]) -> frozenset[int] | None
     return frozenset(true | named)
 
 
-def _kind(run: Path) -> tuple[str, str] | None:
+def _kind(run: Path | None) -> tuple[str, str] | None:
     """Controller and case of a run's directory; None of a mere log."""
-    path = run / "run.json"
-    if not path.is_file():
+    path = None if run is None else run / "run.json"
+    if path is None or not path.is_file():
         return None
     expected = "the run.json of a run"
     content = json_values(path, expected)
@@ -160,7 +163,7 @@ def _notes(run: HeldOut, seen: Sequence[tuple[str, str] | None]) -> dict[str, An
 
 
 def _given(
-    held: Sequence[Path],
+    held: Sequence[Source],
     models: Compared,
     true: ModelFile | None,
     judged: frozenset[int] | None,
@@ -168,7 +171,7 @@ def _given(
     """A lab's runs; robots that nothing was named of are the healthy ones."""
     drive = models.file.nominal_drive
     tasks = []
-    for name, table in _runs(held, drive):
+    for name, table in _runs(held, models.file):
         tasks.append(Given(name, table, models.named(true), models.tables, drive, judged))
         sound = set(table["robot"].unique().tolist()) - (judged or set())
         if judged is not None and sound:
@@ -177,22 +180,24 @@ def _given(
     return tasks
 
 
-def _sound(healthy: Sequence[Path], models: Compared) -> list[Given]:
+def _sound(healthy: Sequence[Source], models: Compared) -> list[Given]:
     """Runs of robots known to be sound."""
     drive, plain = models.file.nominal_drive, {HEALTHY: models.plain}
     return [
         Given(f"healthy {name}", table, plain, models.tables, drive, None)
-        for name, table in _runs(healthy, drive)
+        for name, table in _runs(healthy, models.file)
     ]
 
 
-def _runs(logs: Sequence[Path], drive: Drive) -> list[tuple[str, pd.DataFrame]]:
-    """Every run of some logs, by name."""
+def _runs(logs: Sequence[Source], model: ModelFile) -> list[tuple[str, pd.DataFrame]]:
+    """Every run of some logs, by name; logs of one name are told apart by their places."""
     runs = []
-    for path in logs:
-        table = read_log(path, drive=drive).frame
+    short = [one.name if one.path is None else one.path.name for one in logs]
+    for number, (one, called) in enumerate(zip(logs, short, strict=True), start=1):
+        table = read_logs(one, model).frame
         names = table["run"].astype(str)
+        called = f"{number}/{called}" if short.count(called) > 1 else called
         for name, part in table.groupby(names, sort=False):
-            label = f"{path.name}/{name}" if names.nunique() > 1 else path.name
+            label = f"{called}/{name}" if names.nunique() > 1 else called
             runs.append((label, part))
     return runs

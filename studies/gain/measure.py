@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import closing
-from dataclasses import dataclass
+from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +11,21 @@ import numpy as np
 import pandas as pd
 
 from realitygap.models.modelfile import ModelFile
-from realitygap.studies.execution import Workers, completed
-from realitygap.studies.gain.compared import read_compared
-from realitygap.studies.gain.food import FILE, read_transfer
+from realitygap.reality.engine import DEFAULT, engine_name
+from realitygap.studies.gain.compared import compared
+from realitygap.studies.gain.food import FILE as FOOD
+from realitygap.studies.gain.food import read_transfer
 from realitygap.studies.gain.held_out import choose
 from realitygap.studies.gain.request import GainRequest
+from realitygap.studies.gain.result import FILE, GainResult
 from realitygap.studies.gain.runs import HEALTHY, Given, Recorded, measure_given, measure_recorded
 from realitygap.studies.gain.weigh import weigh
-from realitygap.studies.provenance import file_read, log_read, model_read, versions
+from realitygap.studies.gain.words import summary
+from realitygap.studies.inputs.logs import AnyLog, sources
+from realitygap.studies.inputs.model import AnyModel, Model
+from realitygap.studies.plumbing.execution import Workers, completed
+from realitygap.studies.plumbing.output import whole_directory
+from realitygap.studies.plumbing.provenance import file_read, versions
 
 SCHEMA = 1
 
@@ -28,28 +34,68 @@ class GainFailed(RuntimeError):
     """A held-out run could not be recorded or measured."""
 
 
-@dataclass(frozen=True, eq=False)
-class Gain:
-    """What was measured."""
-
-    content: dict[str, Any]
-    """Of `gain.json`."""
-    table: pd.DataFrame
-    """As `prediction_errors`, with the run."""
-
-
-def measure_gain(request: GainRequest, reach: Callable[[float], None] = lambda done: None) -> Gain:
-    """Measure the prediction gain.
+def gain(
+    log: AnyLog,
+    extended: AnyModel,
+    *,
+    effects: Sequence[str] = (),
+    healthy: AnyLog = (),
+    transfer: Path | str | None = None,
+    runs: int = 6,
+    minutes: float = 2.0,
+    seed: int = 0,
+    engine: str = DEFAULT,
+    jobs: int | None = None,
+    out: Path | str | None = None,
+    force: bool = False,
+    reach: Callable[[float], None] = lambda done: None,
+) -> GainResult:
+    """Measure how well an extended model predicts runs that nothing was named from.
 
     Args:
-        request: Of what.
-        reach: Called with the share that is done.
+        log: Measured logs, as `read_log` takes them. Those that the extension was not named from
+            are held out; with `effects` they only say which run it was named from.
+        extended: The extended model of a diagnosis.
+        effects: SPECs of what was hidden: fresh runs are recorded with them.
+        healthy: Logs of sound robots, for the level that can be reached.
+        transfer: Directory of a finished `study.transfer`: the gain in food, beside.
+        runs: How many to record.
+        minutes: Simulated, of each.
+        seed: Everything random follows from it.
+        engine: Physics of the fresh runs' world: pybullet or mujoco.
+        jobs: Processes; all cores if absent.
+        out: Directory to write everything into as well, as `write` does; claimed before any work.
+        force: Replace a gain that is there.
+        reach: Called with the share that is done, from 0 to 1.
 
     Raises:
-        InputError: a log, model or effect cannot be used, or nothing is held out.
-        GainFailed: a run could not be recorded.
+        InputError: a log, model or effect cannot be used, nothing is held out, or `out` cannot.
+        GainFailed: a run could not be recorded or measured.
     """
-    models = read_compared(request.extended)
+    holds, world = (FILE,), engine_name(engine)
+    place = nullcontext() if out is None else whole_directory(Path(out), force=force, holds=holds)
+    with place as part:
+        request = GainRequest(
+            logs=sources(log),
+            extended=Model.load(extended),
+            effects=tuple(effects),
+            healthy=sources(healthy),
+            transfer=None if transfer is None else Path(transfer),
+            runs=runs,
+            minutes=minutes,
+            seed=seed,
+            engine=world,
+            jobs=jobs,
+        )
+        found = measure(request, reach)
+        if part is not None:
+            found.keep(part)
+    return found
+
+
+def measure(request: GainRequest, reach: Callable[[float], None]) -> GainResult:
+    """Measure what is asked; `reach` as `gain`."""
+    models = compared(request.extended)
     food = None if request.transfer is None else read_transfer(request.transfer)
     chosen = choose(request, models)
     table = _collect(chosen.tasks, request.jobs, reach)
@@ -59,7 +105,7 @@ def measure_gain(request: GainRequest, reach: Callable[[float], None] = lambda d
         "extended": _provenance(models.file),
         "held_out": {"source": source, "runs": chosen.runs, "robots": _listed(chosen.judged)},
         "oracle": chosen.oracle,
-        "healthy": "twins" if request.effects else _healthy_source(table, request.healthy),
+        "healthy": "twins" if request.effects else _healthy_source(table, bool(request.healthy)),
         "errors": weigh(table, seed=request.seed),
         "by_run": _by_run(table),
         "transfer": food,
@@ -67,16 +113,15 @@ def measure_gain(request: GainRequest, reach: Callable[[float], None] = lambda d
         "command": request.command,
         "versions": versions(),
     }
-    return Gain(content, table)
+    return GainResult(content | {"summary": summary(content)}, table)
 
 
 def _inputs(request: GainRequest) -> list[dict[str, str]]:
     """The files that a gain is a function of."""
-    read = [log_read("--log", path) for path in request.logs]
-    read += model_read(request.extended, "--extended")
-    read += [log_read("--healthy", path) for path in request.healthy]
-    read += [file_read("--transfer", request.transfer / FILE)] if request.transfer else []
-    return read
+    read = [log.entry("--log") for log in request.logs]
+    read += request.extended.entries("--extended")
+    read += [log.entry("--healthy") for log in request.healthy]
+    return read + ([file_read("--transfer", request.transfer / FOOD)] if request.transfer else [])
 
 
 def _collect(
@@ -101,7 +146,7 @@ def _measure(task: tuple[int, Recorded | Given]) -> pd.DataFrame:
     return measure_recorded(one) if isinstance(one, Recorded) else measure_given(one)
 
 
-def _healthy_source(table: pd.DataFrame, healthy: Sequence[Path]) -> str | None:
+def _healthy_source(table: pd.DataFrame, healthy: bool) -> str | None:
     """Where the healthy level comes from."""
     if healthy:
         return "logs"

@@ -1,4 +1,4 @@
-"""`gain.json`, `errors.parquet` and `report.html`: what an extension gained, on one page."""
+"""`report.html`: what an extension gained, on one page."""
 
 from __future__ import annotations
 
@@ -11,15 +11,12 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from realitygap.models.log import write_table
 from realitygap.models.replay import HORIZONS
 from realitygap.studies.gain.food import food_lines, food_table
-from realitygap.studies.gain.measure import Gain
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
-from realitygap.studies.gain.words import LABELS, SHOWN, number, percent, summary
-from realitygap.studies.paper.page import Picture, Section, Table, write_page
-from realitygap.studies.provenance import write_json
-from realitygap.studies.rooms import scratch
+from realitygap.studies.gain.words import LABELS, SHOWN, number, percent
+from realitygap.studies.pages.page import Picture, Section, Table, write_page
+from realitygap.studies.plumbing.rooms import scratch
 
 DPI = 100
 COLOURS = {BEFORE: "#b0413e", HEALTHY: "#7f7f7f", EXTENDED: "#2f6f9f", ORACLE: "#222222"}
@@ -35,25 +32,21 @@ SENSES = (
 BY_RUN = "The same one second ahead, run by run: scenarios the cause was not named from included."
 
 
-def write_gain(gain: Gain, out: Path) -> list[str]:
-    """Write everything into an existing directory; returns the lines of the summary."""
-    lines = summary(gain.content)
-    write_json(out / "gain.json", {**gain.content, "summary": lines})
-    write_table(gain.table, out / "errors.parquet", {})
+def write_report(content: Mapping[str, Any], path: Path) -> None:
+    """Write the page of what `gain.json` holds."""
     with scratch() as room:
         sections = [
-            _pictures(gain, room),
-            _numbers(gain.content),
-            *_food(gain.content),
-            _runs(gain.content),
-            _named(gain.content),
+            _pictures(content, room),
+            _numbers(content),
+            *_food(content),
+            _runs(content),
+            _named(content),
         ]
-        write_page(out / "report.html", "Gain", lines[0], sections)
-    return lines
+        write_page(path, "Gain", content["summary"][0], sections)
 
 
-def _pictures(gain: Gain, room: Path) -> Section:
-    errors = gain.content["errors"]
+def _pictures(content: Mapping[str, Any], room: Path) -> Section:
+    errors = content["errors"]
     drawn = []
     if any(one["kind"] == "motion" for one in errors):
         _draw_horizons(errors, room / "horizons.png")
@@ -61,10 +54,10 @@ def _pictures(gain: Gain, room: Path) -> Section:
     if any(one["kind"] in ("ps", "ls") for one in errors):
         _draw_senses(errors, room / "senses.png")
         drawn.append(Picture(room / "senses.png", SENSES))
-    if len(gain.content["by_run"]) > 1:
-        _draw_runs(gain.content, room / "runs.png")
+    if len(content["by_run"]) > 1:
+        _draw_runs(content, room / "runs.png")
         drawn.append(Picture(room / "runs.png", BY_RUN))
-    return Section("What naming the cause is worth", summary(gain.content), figures=drawn)
+    return Section("What naming the cause is worth", content["summary"], figures=drawn)
 
 
 def _numbers(content: Mapping[str, Any]) -> Section:

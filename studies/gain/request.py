@@ -5,30 +5,38 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from realitygap.studies.typed import option, typed
+from realitygap.models.modelfile import DEFAULT as ROBOT
+from realitygap.reality.engine import DEFAULT, EngineName
+from realitygap.studies.inputs.logs import Source
+from realitygap.studies.inputs.model import Model
+from realitygap.studies.plumbing.typed import option, typed
 
 
 @dataclass(frozen=True, kw_only=True)
 class GainRequest:
     """Whose gain to measure, and in which runs."""
 
-    logs: tuple[Path, ...]
-    extended: str
+    logs: tuple[Source, ...]
+    extended: Model
     effects: tuple[str, ...] = ()
-    healthy: tuple[Path, ...] = ()
+    healthy: tuple[Source, ...] = ()
     transfer: Path | None = None
     runs: int = 6
     minutes: float = 2.0
     seed: int = 0
+    engine: EngineName = DEFAULT
+    """Of the fresh runs' world."""
     jobs: int | None = None
 
     @property
     def command(self) -> str:
         """What a user would type."""
-        words: list[object] = ["realitygap", "gain", *option("--log", self.logs)]
-        words += ["--extended", self.extended, *option("--effect", self.effects)]
-        words += option("--healthy", self.healthy)
+        logs, healthy = ([one.typed for one in some] for some in (self.logs, self.healthy))
+        words: list[object] = ["realitygap", "gain", *option("--log", logs)]
+        words += ["--extended", self.extended.typed or ROBOT, *option("--effect", self.effects)]
+        words += option("--healthy", healthy)
         words += ["--transfer", self.transfer] if self.transfer else []
         if self.effects:
             words += ["--runs", self.runs, "--minutes", f"{self.minutes:g}", "--seed", self.seed]
+            words += ["--engine", self.engine] if self.engine != DEFAULT else []
         return typed(*words)

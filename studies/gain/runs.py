@@ -16,8 +16,9 @@ from realitygap.embedded_sim.tables import Tables
 from realitygap.models.log import MeasuredLog, make_log, read_log
 from realitygap.models.modelfile import ModelFile
 from realitygap.models.prediction import prediction_errors
-from realitygap.studies.experiment import Case, RunConfig, simulate
-from realitygap.studies.rooms import scratch
+from realitygap.reality.engine import DEFAULT, EngineName
+from realitygap.studies.plumbing.rooms import scratch
+from realitygap.studies.run.experiment import Case, RunConfig, simulate
 
 KINDS: tuple[tuple[str, Case], ...] = (
     ("search", "no-light"),
@@ -79,6 +80,7 @@ def plan(
     minutes: float,
     robots: int,
     seed: int,
+    engine: EngineName = DEFAULT,
     judged: frozenset[int] | None = None,
 ) -> list[HeldOut]:
     """Runs to record; seeds follow from `seed` and the number, not from the effects."""
@@ -87,7 +89,12 @@ def plan(
         controller, case = KINDS[index % len(KINDS)]
         own = np.random.SeedSequence(seed, spawn_key=(index,)).generate_state(1, np.uint32)[0]
         config = RunConfig(
-            case=case, controller=controller, minutes=minutes, robots=robots, seed=int(own)
+            case=case,
+            controller=controller,
+            minutes=minutes,
+            robots=robots,
+            seed=int(own),
+            engine=engine,
         )
         planned.append(HeldOut(index, config, effects, judged))
     return planned

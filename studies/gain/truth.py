@@ -15,7 +15,7 @@ from realitygap.models.modelfile import ModelFile
 from realitygap.models.opened import json_values, parsing
 from realitygap.reality.effects import Hidden, catalogue
 from realitygap.reality.effects.spec import parse, spec_of
-from realitygap.studies.oracle import oracle
+from realitygap.studies.hidden.oracle import oracle
 
 TRUTH = "truth.json"
 EXPECTED = "the truth.json of a run"

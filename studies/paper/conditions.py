@@ -9,10 +9,10 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from realitygap.models.modelfile import find_model_file, load_models
-from realitygap.studies.experiment import Case, Controller, Minutes, Robots, RunConfig, Seed
-from realitygap.studies.provenance import model_hash
-from realitygap.studies.settings import checked
+from realitygap.reality.engine import DEFAULT, EngineName
+from realitygap.studies.inputs.model import Model
+from realitygap.studies.run.experiment import Case, Controller, Minutes, Robots, RunConfig, Seed
+from realitygap.studies.run.settings import checked
 
 StudyName = Literal["paper", "readings"]
 
@@ -80,6 +80,7 @@ class StudyConfig(BaseModel):
     minutes: Minutes = 60.0
     robots: Robots = 10
     seed: Seed = 0
+    engine: EngineName = DEFAULT
     model: str | None = None
     """Model file on board; None: the shipped nominal e-puck."""
     model_hash: str | None = None
@@ -137,6 +138,7 @@ def plan(study: StudyConfig, conditions: tuple[Condition, ...]) -> tuple[Planned
                 seed=run_seed(study.seed, condition.paired_with or condition.key, index),
                 samples=False,
                 model=study.model,
+                engine=study.engine,
                 **condition.changes,
             ),
             model_hash=study.model_hash,
@@ -155,7 +157,8 @@ def study_config(**values: Any) -> StudyConfig:
     config = checked(StudyConfig, values)
     if config.model is None:
         return config
-    load_models(config.model, config.robots)  # refused now, not in every worker
-    path = find_model_file(config.model).resolve()
-    digest = model_hash(str(path))
-    return config.model_copy(update={"model": str(path), "model_hash": digest})
+    model = Model.load(config.model)
+    model.on_board(config.robots)  # refused now, not in every worker
+    assert model.path is not None
+    path = str(model.path.resolve())
+    return config.model_copy(update={"model": path, "model_hash": model.digest})

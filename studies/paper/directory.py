@@ -16,11 +16,11 @@ from typing import Any, Generic, Literal, Protocol, TypeVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from realitygap.embedded_sim.errors import InputError
-from realitygap.studies.experiment import RunConfig
-from realitygap.studies.manifest import Origin, Pieces
-from realitygap.studies.output import whole_file
-from realitygap.studies.provenance import versions, write_json
-from realitygap.studies.resumed import begun_with, check_ours, check_same, locked
+from realitygap.studies.plumbing.manifest import Origin, Pieces
+from realitygap.studies.plumbing.output import whole_file
+from realitygap.studies.plumbing.provenance import versions, write_json
+from realitygap.studies.plumbing.resumed import begun_with, check_ours, check_same, locked
+from realitygap.studies.run.experiment import RunConfig
 
 
 class Planned(Protocol):

@@ -6,15 +6,15 @@ import time
 from collections.abc import Callable
 from contextlib import closing
 
-from realitygap.studies.execution import Unfinished, Workers
-from realitygap.studies.experiment import simulate
-from realitygap.studies.lifetime import shielded
-from realitygap.studies.machine import Cores
-from realitygap.studies.manifest import made
 from realitygap.studies.paper.conditions import PlannedRun
 from realitygap.studies.paper.directory import Run, Session, Study, StudyDirectory
 from realitygap.studies.paper.tally import Tally
-from realitygap.studies.rooms import scratch
+from realitygap.studies.plumbing.execution import Unfinished, Workers
+from realitygap.studies.plumbing.lifetime import shielded
+from realitygap.studies.plumbing.machine import Cores
+from realitygap.studies.plumbing.manifest import made
+from realitygap.studies.plumbing.rooms import scratch
+from realitygap.studies.run.experiment import simulate
 
 
 class RunsFailed(Unfinished):

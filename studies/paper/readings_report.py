@@ -7,11 +7,10 @@ import seaborn as sns
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from realitygap.studies.output import whole_file
+from realitygap.studies.pages.page import Section, Table, number, write_page
 from realitygap.studies.paper import figures
 from realitygap.studies.paper.conditions import LABELS, PlannedRun, StudyConfig
 from realitygap.studies.paper.directory import StudyDirectory
-from realitygap.studies.paper.page import Section, Table, number, write_page
 from realitygap.studies.paper.readings import VARIANTS, depends, mean_food, weigh_readings
 from realitygap.studies.paper.report import (
     CAPTIONS,
@@ -21,6 +20,7 @@ from realitygap.studies.paper.report import (
     write_parquet,
 )
 from realitygap.studies.paper.tables import collect
+from realitygap.studies.plumbing.output import whole_file
 
 CAPTIONS |= {
     "readings-claims": "Every claim (rows) in every variant (columns): green where its 95 % "

@@ -10,16 +10,16 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from realitygap.studies.fitness_gap.anew import PARTS, decompose, fresh_fitness_of
-from realitygap.studies.output import whole_file
+from realitygap.studies.pages.page import Picture, Section, Table, markdown, write_page
 from realitygap.studies.paper import figures, gap_figures
 from realitygap.studies.paper.conditions import PlannedRun, StudyConfig
 from realitygap.studies.paper.directory import StudyDirectory
 from realitygap.studies.paper.gap_tables import controllers_table, gap_table
 from realitygap.studies.paper.mixture import evolved_table, mixture_table
-from realitygap.studies.paper.page import Picture, Section, Table, markdown, write_page
 from realitygap.studies.paper.results import outcome, result_sections
 from realitygap.studies.paper.tables import StudyTables, collect
 from realitygap.studies.paper.verdicts import weigh_claims
+from realitygap.studies.plumbing.output import whole_file
 
 CAPTIONS = {
     "fig6-food": "Items brought to the nest per run: mean (bars, halves shaded apart), quartiles "

@@ -8,10 +8,10 @@ from pathlib import Path
 import pandas as pd
 
 from realitygap.studies.fitness_gap.anew import TRIALS
+from realitygap.studies.pages.page import VERDICTS, Section, Table, number
 from realitygap.studies.paper.conditions import LABELS, STUDIED, StudyConfig
 from realitygap.studies.paper.mixture import mixture_text
 from realitygap.studies.paper.notes import NOTES
-from realitygap.studies.paper.page import VERDICTS, Section, Table, number
 from realitygap.studies.paper.power import power_table, power_text
 
 WEIGHED = (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from realitygap.studies.execution import Workers
 from realitygap.studies.paper.conditions import STUDIED, StudyConfig, plan
 from realitygap.studies.paper.directory import StudyDirectory
 from realitygap.studies.paper.execution import execute, run_files
@@ -12,6 +11,7 @@ from realitygap.studies.paper.readings import reading_conditions
 from realitygap.studies.paper.readings_report import dependence_line, write_readings
 from realitygap.studies.paper.report import write_report
 from realitygap.studies.paper.results import outcome
+from realitygap.studies.plumbing.execution import Workers
 
 
 def run_study(study: StudyConfig, out: Path, workers: Workers, *, quiet: bool = False) -> str:

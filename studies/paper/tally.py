@@ -8,7 +8,7 @@ from typing import Self
 from rich.progress import MofNCompleteColumn, TextColumn
 
 from realitygap.studies.paper.directory import Planned
-from realitygap.studies.progress import Shown
+from realitygap.studies.plumbing.progress import Shown
 
 
 class Tally(Shown):

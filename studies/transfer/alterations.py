@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict
 from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.reality import constants as k
 from realitygap.reality.effects import parse_effects
-from realitygap.studies.experiment import Case
+from realitygap.studies.run.experiment import Case
 
 
 class Alteration(BaseModel):

@@ -9,16 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from realitygap.models.extension import Extension
-from realitygap.models.modelfile import find_model_file, read_model_file
 from realitygap.reality.effects import parse_effects
-from realitygap.studies.altered import Files, read_files
 from realitygap.studies.blind.examiner import LOG
 from realitygap.studies.blind.record import COMMAND, diagnose
-from realitygap.studies.diagnosis_files import write_extended
-from realitygap.studies.experiment import ANONYMOUS, RunConfig, simulate
-from realitygap.studies.oracle import write_oracle
-from realitygap.studies.rooms import scratch
+from realitygap.studies.hidden.oracle import write_oracle
+from realitygap.studies.inputs.model import Model
+from realitygap.studies.plumbing.rooms import scratch
+from realitygap.studies.run.altered import Files, read_files
+from realitygap.studies.run.experiment import ANONYMOUS, RunConfig, simulate
 from realitygap.studies.transfer.alterations import Alteration
 
 
@@ -59,10 +57,7 @@ def given_model(extended: str) -> Files:
     Raises:
         InputError: it is no model file.
     """
-    source = find_model_file(extended)
-    model = read_model_file(source)
-    minimal, extension = model.model_copy(update={"extension": None}), model.extension
-    return _written(lambda part: write_extended(minimal, source, extension or Extension(), part))
+    return _written(Model.load(extended).keep)
 
 
 def oracle_model(alteration: Alteration, robots: int) -> Files:

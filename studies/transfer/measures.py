@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from realitygap.studies.experiment import HALVES
 from realitygap.studies.fitness_gap.generations import whole
 from realitygap.studies.paper.directory import StudyDirectory
+from realitygap.studies.run.experiment import HALVES
 from realitygap.studies.transfer.plan import MODELS, TransferConfig, TransferRun
 
 METRICS = {

@@ -8,8 +8,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from realitygap.models.modelfile import find_model_file, load_models
-from realitygap.studies.experiment import (
+from realitygap.reality.engine import DEFAULT, EngineName
+from realitygap.studies.inputs.model import Model
+from realitygap.studies.paper.conditions import run_seed
+from realitygap.studies.run.experiment import (
     FIXED_GENOMES,
     GenomeName,
     Minutes,
@@ -18,9 +20,7 @@ from realitygap.studies.experiment import (
     Seed,
     Trials,
 )
-from realitygap.studies.paper.conditions import run_seed
-from realitygap.studies.provenance import model_hash
-from realitygap.studies.settings import checked
+from realitygap.studies.run.settings import checked
 from realitygap.studies.transfer.alterations import Alteration
 
 ModelKind = Literal["minimal", "extended", "oracle"]
@@ -48,6 +48,7 @@ class TransferConfig(BaseModel):
     log_minutes: Minutes = LOG_MINUTES
     robots: Robots = 10
     seed: Seed = 0
+    engine: EngineName = DEFAULT
     trials: Trials = TRIALS
     genome: GenomeName = "paper"
     extended: str | None = None
@@ -122,6 +123,7 @@ def _run(study: TransferConfig, one: Alteration, controller: str, index: int) ->
             samples=False,
             trials=1 if fixed else study.trials,
             genome="paper" if fixed else study.genome,
+            engine=study.engine,
         ),
         model=model_origin(study, one, controller),
     )
@@ -146,6 +148,7 @@ def log_config(study: TransferConfig, one: Alteration) -> RunConfig:
         minutes=study.log_minutes,
         robots=study.robots,
         seed=run_seed(study.seed, f"transfer.{one.name}.log", 0),
+        engine=study.engine,
     )
 
 
@@ -158,6 +161,8 @@ def transfer_config(**values: Any) -> TransferConfig:
     config = checked(TransferConfig, values)
     if config.extended is None:
         return config
-    load_models(config.extended, config.robots)  # refused now, before anything is written
-    path = str(find_model_file(config.extended).resolve())
-    return config.model_copy(update={"extended": path, "extended_hash": model_hash(path)})
+    model = Model.load(config.extended)
+    model.on_board(config.robots)  # refused now, before anything is written
+    assert model.path is not None
+    path = str(model.path.resolve())
+    return config.model_copy(update={"extended": path, "extended_hash": model.digest})

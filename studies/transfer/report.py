@@ -10,14 +10,14 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from realitygap.models.modelfile import load_models
-from realitygap.studies.altered import MODEL
-from realitygap.studies.experiment import HALVES
-from realitygap.studies.output import whole_file
+from realitygap.studies.pages.page import Picture, Section, Table, write_page
 from realitygap.studies.paper import figures
 from realitygap.studies.paper.directory import StudyDirectory
-from realitygap.studies.paper.page import Picture, Section, Table, write_page
 from realitygap.studies.paper.report import write_csv
-from realitygap.studies.provenance import write_json
+from realitygap.studies.plumbing.output import whole_file
+from realitygap.studies.plumbing.provenance import write_json
+from realitygap.studies.run.altered import MODEL
+from realitygap.studies.run.experiment import HALVES
 from realitygap.studies.transfer import beliefs, words
 from realitygap.studies.transfer.alterations import Alteration
 from realitygap.studies.transfer.choices import TRIALS, choices, earnings

@@ -6,12 +6,12 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from realitygap.studies.altered import AlteredRun, Files, run_altered
-from realitygap.studies.execution import Workers
-from realitygap.studies.manifest import Pieces, made
 from realitygap.studies.paper.directory import StudyDirectory
 from realitygap.studies.paper.execution import RunsFailed, execute
-from realitygap.studies.progress import Stages
+from realitygap.studies.plumbing.execution import Workers
+from realitygap.studies.plumbing.manifest import Pieces, made
+from realitygap.studies.plumbing.progress import Stages
+from realitygap.studies.run.altered import AlteredRun, Files, run_altered
 from realitygap.studies.transfer import beliefs, words
 from realitygap.studies.transfer.plan import (
     TransferConfig,

@@ -19,12 +19,12 @@ from realitygap.embedded_sim import InputError
 from realitygap.reality.effects import catalogue, parse_effects
 from realitygap.studies.blind.battery import run_battery
 from realitygap.studies.blind.limits import detection_limit, share
-from realitygap.studies.blind.menu import MENU
 from realitygap.studies.blind.record import diagnose, record
 from realitygap.studies.blind.scoring import Score, named, of_robots, outcome, score
 from realitygap.studies.blind.trials import Hidden, Trial, blind_config, plan
-from realitygap.studies.execution import Workers
-from realitygap.studies.experiment import RunConfig
+from realitygap.studies.hidden.menu import MENU
+from realitygap.studies.plumbing.execution import Workers
+from realitygap.studies.run.experiment import RunConfig
 
 STUB = partial(diagnose, command=(sys.executable, str(Path(__file__).with_name("stub.py"))))
 SMALL = {"effects": ("ls_dead_sensor", "command_latency"), "robots": 3, "seconds": (2.0,)}
@@ -259,7 +259,7 @@ def test_a_battery_scores_what_a_process_with_the_log_alone_answered(
 
 
 def test_nothing_in_the_log_tells_what_was_hidden(tmp_path: Path) -> None:
-    from realitygap.studies.experiment import simulate
+    from realitygap.studies.run.experiment import simulate
 
     hidden = Hidden("command_latency", {"seconds": 0.1234}, (1,), 0.1234, 3.0)
     simulate(RunConfig(minutes=0.02, robots=3), (hidden.spec,), tmp_path)

@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -16,7 +17,7 @@ import pytest
 from realitygap.studies.blind import examiner
 from realitygap.studies.blind.examiner import LOG, ask
 from realitygap.studies.blind.record import diagnose
-from realitygap.studies.experiment import RunConfig, simulate
+from realitygap.studies.run.experiment import RunConfig, simulate
 from tests.helpers import ROOT, children, until, wait_until_gone
 
 
@@ -125,3 +126,15 @@ def test_no_answer_in_time_is_an_answer(given: Path, monkeypatch: pytest.MonkeyP
     assert ask(given) == (None, "no answer in 0 s")
     monkeypatch.undo()
     assert ask(given)[1] is None
+
+
+def test_an_interrupt_of_an_examiner_that_is_just_starting_changes_nothing() -> None:
+    process = examiner._started()
+    try:
+        for _ in range(20):
+            process.send_signal(signal.SIGINT)
+            time.sleep(0.02)
+        assert process.poll() is None
+    finally:
+        process.kill()
+        process.communicate()

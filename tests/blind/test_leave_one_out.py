@@ -12,17 +12,17 @@ from typer.testing import CliRunner
 from realitygap.models.catalogue import every_cause
 from realitygap.models.causes.withheld import without
 from realitygap.models.identify.candidates import candidates
-from realitygap.models.identify.structure import QUANTITIES as OF_MOTION
+from realitygap.models.naming.flexible import QUANTITIES as OF_MOTION
 from realitygap.models.senses.quantities import QUANTITIES as OF_READINGS
 from realitygap.models.senses.unnamed import SEEN
 from realitygap.studies.blind.battery import run_battery
 from realitygap.studies.blind.left_out import FOLLOWS, quantity_right
-from realitygap.studies.blind.menu import MENU
 from realitygap.studies.blind.record import diagnose
 from realitygap.studies.blind.trials import Hidden, Trial, blind_config, plan
 from realitygap.studies.cli import app
-from realitygap.studies.execution import Workers
-from realitygap.studies.experiment import RunConfig
+from realitygap.studies.hidden.menu import MENU
+from realitygap.studies.plumbing.execution import Workers
+from realitygap.studies.run.experiment import RunConfig
 from tests.blind.test_naming import told
 
 STUB = partial(diagnose, command=(sys.executable, str(Path(__file__).with_name("stub.py"))))

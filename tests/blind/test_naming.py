@@ -15,12 +15,12 @@ import pytest
 
 from realitygap.reality.effects import catalogue
 from realitygap.studies.blind.examiner import LOG, ask
-from realitygap.studies.blind.menu import MENU
 from realitygap.studies.blind.record import record
 from realitygap.studies.blind.scoring import Score, named, score
 from realitygap.studies.blind.trials import Hidden, Trial
 from realitygap.studies.blind.unlisted import FOLLOWS
-from realitygap.studies.experiment import RunConfig
+from realitygap.studies.hidden.menu import MENU
+from realitygap.studies.run.experiment import RunConfig
 
 ROBOTS = 10
 

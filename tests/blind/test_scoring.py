@@ -11,7 +11,7 @@ from realitygap.studies.blind.left_out import unknowns
 from realitygap.studies.blind.scoring import Score, of_robots, outcome, score
 from realitygap.studies.blind.summary import ABSTAINED
 from realitygap.studies.blind.trials import Hidden, Kind, Trial
-from realitygap.studies.experiment import RunConfig
+from realitygap.studies.run.experiment import RunConfig
 
 RADIUS = Hidden("wheel_radius_scale", {"scale": 1.02}, (3,), 0.02, 2.0)
 LAG = Hidden("motor_lag", {"time_constant": 0.1}, (4,), 0.1, 4.0)

@@ -10,9 +10,9 @@ import pytest
 from realitygap.reality import constants as k
 from realitygap.reality.effects import catalogue, parse_effects
 from realitygap.reality.world import World
-from realitygap.studies.blind.menu import STRANGE
 from realitygap.studies.blind.trials import Hidden, blind_config, plan
 from realitygap.studies.blind.unlisted import FOLLOWS, UNLISTED
+from realitygap.studies.hidden.menu import STRANGE
 
 SPEED = 6.0 * k.WHEEL_RADIUS
 

@@ -83,7 +83,7 @@ CORPUS: dict[str, tuple[str, str, Content]] = {
     "a map of a NUL": ("map", "map.toml", lambda: MAP.replace("poses.csv", r"\u0000.csv").encode()),
     "deep nesting in a reference": ("reference", "r.json", lambda: b"[" * 100_000),
     "an integer of 5000 digits in a reference": ("reference", "r.json", lambda: b"9" * 5000),
-    "a reference without its terms": (
+    "a reference with a coordinate too many": (
         *("reference", "r.json"),
         lambda: (
             READERS["reference"].files()["r.json"].replace(b'"inherent": [', b'"inherent": [1,')
@@ -92,9 +92,7 @@ CORPUS: dict[str, tuple[str, str, Content]] = {
     "a reference of NaN": (
         *("reference", "r.json"),
         lambda: (
-            READERS["reference"]
-            .files()["r.json"]
-            .replace(b'"farthest": ', b'"farthest": NaN, "x":', 1)
+            READERS["reference"].files()["r.json"].replace(b'"mean": ', b'"mean": NaN, "x":', 1)
         ),
     ),
     "a plain array as tables": ("sensor tables", "epuck.npz", _plain_array),

@@ -19,7 +19,7 @@ from realitygap.models.formats.mapped import read_mapped
 from realitygap.models.formats.mrclam import read_mrclam
 from realitygap.models.formats.optiodom import TICKS_PER_TURN, read_optiodom
 from realitygap.models.log import make_log, read_log
-from realitygap.models.modelfile import ROBOTS, find_model_file, load_common, read_model_file
+from realitygap.models.modelfile import ROBOTS, find_model_file, read_model_file
 from realitygap.models.reference import DIRECTORY, read_reference
 from realitygap.models.senses.reference import DIRECTORY as SENSES
 from realitygap.models.senses.reference import read_sense_reference
@@ -206,7 +206,7 @@ def _read_optiodom(folder: Path) -> object:
 
 def _model(folder: Path) -> object:
     read = read_model_file(folder / "model.toml")
-    return read, load_common(folder / "model.toml", sensors="ignored"), read.motion(3)
+    return read, read.point_model(), read.motion(3)
 
 
 def _models() -> dict[str, bytes]:
@@ -247,15 +247,23 @@ class Begun(Exception):
 
 
 WORK = (
-    "realitygap.studies.experiment.simulate",
+    "realitygap.studies.run.experiment.simulate",
     "realitygap.reality.capture.capture",
     "realitygap.studies.demo.chapters.tell",
-    "realitygap.studies.diagnosis_files.diagnose_files",
-    "realitygap.studies.gain.measure.measure_gain",
-    "realitygap.studies.reference_files.write_reference_of",
+    "realitygap.studies.diagnosis.diagnose.diagnose",
+    "realitygap.studies.gain.measure.gain",
+    "realitygap.studies.health.reference.measure_health",
     "realitygap.studies.paper.study.run_study",
     "realitygap.studies.blind.battery.run_battery",
     "realitygap.studies.transfer.study.run_transfer",
+    "realitygap.studies.hidden.catalogue.document",
+    "realitygap.studies.measure.ambiguous.processes",
+    "realitygap.studies.measure.bench.point_model",
+    "realitygap.studies.measure.convergence.convergence",
+    "realitygap.studies.measure.gain_table.run_catalogue",
+    "realitygap.studies.measure.healthy_scores.distances",
+    "realitygap.studies.measure.inherent_gap.measure",
+    "realitygap.studies.measure.scaling.measure",
     "realitygap.models.gap.measure_gap",
 )
 """What takes time, and begins only after all words were checked."""

@@ -10,22 +10,22 @@ import pytest
 from realitygap.embedded_sim import InputError
 from realitygap.models.causes import causes
 from realitygap.models.diagnosis import Diagnosis, Unexplained, as_json, extension
-from realitygap.models.identify.choice import Evidence
 from realitygap.models.identify.hypothesis import Term
-from realitygap.models.identify.swarm import Named
 from realitygap.models.identify.value import Value
-from realitygap.models.modelfile import find_model_file, load_models, read_model_file
+from realitygap.models.modelfile import load_models, read_model_file
+from realitygap.models.naming.findings import Evidence, Named
 from realitygap.models.proposal.menu import Option, Proposal
 from realitygap.models.reference import (
+    DIRECTORY,
+    Column,
     Reference,
-    Spread,
     no_reference,
     read_reference,
     shipped_reference,
     write_reference,
 )
-from realitygap.studies.diagnosis_files import write_extended
-from realitygap.studies.diagnosis_words import verdict_sentence
+from realitygap.studies.diagnosis.words import verdict_sentence
+from realitygap.studies.inputs.model import Model
 
 
 def named(*, rivals: tuple[Term, ...] = (), twins: tuple[Term, ...] = ()) -> Named:
@@ -95,10 +95,9 @@ def test_the_json_says_what_for_whom_how_large_and_what_else() -> None:
 
 
 def test_an_extended_model_loads_and_holds_what_was_named(tmp_path: Path) -> None:
-    source = find_model_file("epuck")
-    minimal = read_model_file(source)
+    minimal = read_model_file("epuck")
     found = extension(Diagnosis(named=(named(),)), log_hash="ab12", command='say "diagnose"')
-    write_extended(minimal, source, found, tmp_path)
+    Model.load("epuck").extended(found).keep(tmp_path)
     extended = read_model_file(tmp_path / "extended.toml")
     assert extended.extension == found
     assert extended.motion(3).drive.speed_limit == (4.5, math.inf)
@@ -109,12 +108,9 @@ def test_an_extended_model_loads_and_holds_what_was_named(tmp_path: Path) -> Non
 
 
 def test_a_second_extension_keeps_the_first(tmp_path: Path) -> None:
-    source = find_model_file("epuck")
     found = extension(Diagnosis(named=(named(),)), log_hash="", command="")
-    write_extended(read_model_file(source), source, found, tmp_path)
-    once = tmp_path / "extended.toml"
-    (tmp_path / "again").mkdir()
-    write_extended(read_model_file(once), once, found, tmp_path / "again")
+    Model.load("epuck").extended(found).keep(tmp_path)
+    Model.load(tmp_path / "extended.toml").extended(found).write(tmp_path / "again")
     twice = read_model_file(tmp_path / "again" / "extended.toml").extension
     assert twice is not None
     assert len(twice.causes) == 2
@@ -130,11 +126,16 @@ def test_the_shipped_reference_belongs_to_the_shipped_robot() -> None:
 
 
 def test_a_reference_survives_its_file(tmp_path: Path) -> None:
-    spread = Spread(
-        mean=(0.0,), sd=(0.1,), swarm_mean=(0.0,), swarm_sd=(0.1,), farthest=3.0, swarm_farthest=1.0
-    )
+    names = ("motor_lag.time_constant", "speed/heading sin")
+    column = Column(mean=0.0, sd=0.1, swarm_sd=0.05)
     drive = read_model_file("epuck").motion().drive
-    made = no_reference("e-puck", drive).model_copy(update={"terms": {"motor_lag": spread}})
+    made = no_reference("e-puck", drive).model_copy(
+        update={
+            "columns": dict.fromkeys(names, column),
+            "causes": names[:1],
+            "correlation": ((1.0,),),
+        }
+    )
     write_reference(made, tmp_path / "a.json")
     assert read_reference(tmp_path / "a.json") == made
 
@@ -168,4 +169,31 @@ def test_without_healthy_robots_the_minimal_model_is_health() -> None:
     motion = read_model_file("epuck").motion()
     unknown: Reference = no_reference("e-puck", motion.drive)
     assert unknown.motion(motion) == motion
-    assert unknown.gate("motor_lag") == unknown.gates.distance
+    assert unknown.knows(["motor_lag.time_constant"]).all()
+    assert unknown.learned.names == ()
+
+
+@pytest.mark.parametrize(
+    ("causes", "correlation", "says"),
+    [
+        (["a.b"], [[1.0]], r"causes: got 'a\.b', expected names in columns"),
+        (["a.b", "c.d"], [[1.0, 0.0]], r"correlation: got rows of \[2\] numbers, expected 2 rows"),
+        (["a.b"], [[1.0, 0.0]], r"correlation: got rows of \[2\] numbers, expected 1 rows"),
+    ],
+)
+def test_a_reference_with_correlations_of_nothing_is_refused(
+    causes: list[str], correlation: list[list[float]], says: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "r.json"
+    write_reference(no_reference("m", read_model_file("epuck").motion().drive), path)
+    content = json.loads(path.read_text())
+    path.write_text(json.dumps({**content, "causes": causes, "correlation": correlation}))
+    with pytest.raises(InputError, match=says):
+        read_reference(path)
+
+
+def test_a_reference_of_another_schema_is_refused_with_what_makes_one(tmp_path: Path) -> None:
+    old = json.loads((DIRECTORY / "epuck.json").read_text(encoding="utf-8")) | {"schema_version": 1}
+    (tmp_path / "old.json").write_text(json.dumps(old | {"terms": {}}), encoding="utf-8")
+    with pytest.raises(InputError, match=r"schema_version: got 1, expected 2; make it anew"):
+        read_reference(tmp_path / "old.json")

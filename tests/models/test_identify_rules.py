@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 import pytest
 
 from realitygap.embedded_sim import replay
-from realitygap.models.causes import Motion, causes
-from realitygap.models.causes.command_latency import FEIGNS
-from realitygap.models.identify.fit import Problem
-from realitygap.models.identify.hypothesis import Term
-from realitygap.models.identify.plain import replaced
-from realitygap.models.identify.select import _Search
-from realitygap.models.identify.structure import follows
+from realitygap.models.causes import Motion
 from realitygap.models.identify.tracks import TURNED
+from realitygap.models.naming.measured import NOBODY
+from realitygap.models.naming.robot import robots_of
+from realitygap.models.naming.seen import away
+from realitygap.models.naming.state import State, Weighed
 from tests.models.small import random_commands
-from tests.models.test_identify import HEALTHY, diagnosed, names, reference, table, tracks
+from tests.models.test_identify import HEALTHY, diagnosed, names, table, tracks
 
 STEP, ROWS = 0.04, 1500
 
@@ -31,23 +27,6 @@ def driven(seed: int, commands: np.ndarray, turned: np.ndarray) -> pd.DataFrame:
     columns = dict(zip(("x", "y", "yaw"), poses.T, strict=True))
     columns |= dict(zip(("cmd_left", "cmd_right"), commands.T, strict=True))
     return pd.DataFrame({"run": "a", "robot": 0, "t": t, **columns})
-
-
-@pytest.mark.parametrize(("share", "quantities"), [(0.1, {"wheel_speed"}), (0.0, set())])
-def test_a_cause_is_replaced_by_a_quantity_that_tells_it_all_and_not_otherwise(
-    share: float, quantities: set[str]
-) -> None:
-    """Wheels that lose the more the faster they turn are half described by a limit; wheels that are
-    limited are described by nothing better."""
-    commands = random_commands(np.random.default_rng(30), ROWS)
-    lost = commands * (1.0 - share * np.abs(commands) / 6.28)
-    cut = tracks(driven(30, commands, lost if share else np.clip(commands, -5.0, 5.0)))
-    problem = Problem(cut, [Motion(drive=HEALTHY)])
-    limit = Term(causes()["motor_saturation"], "both")
-    without = problem.fit((), [np.zeros((1, 0))])
-    kept = problem.fit((limit,), [np.full((1, 1), 5.5)])
-    found = replaced(problem, kept, without, float(problem.gain(without, kept).sum()))
-    assert ({found.quantity} if found else set()) == quantities
 
 
 def test_a_cause_that_a_quantity_replaces_is_not_named_and_the_quantity_is() -> None:
@@ -74,15 +53,17 @@ def test_what_follows_a_wheels_angle_is_seen_by_the_angle_that_encoders_tell() -
     strength = {}
     for name, one in (("commands", frame), ("encoders", encoded)):
         cut = tracks(one)
-        (found,) = (f for f in follows(cut, [Motion(drive=replace(HEALTHY))]) if f.key == SWINGS)
-        strength[name] = float(found.gain[0])
+        healthy = (Motion(drive=HEALTHY),)
+        robots = tuple(robots_of(cut, healthy, doses=False))
+        (far,) = away(Weighed(State(cut, healthy, robots, NOBODY)))[SWINGS]
+        strength[name] = float(far**2)
         if name == "encoders":
             told = cut.about[:, [cut.columns.index(column) for column in TURNED]]
             np.testing.assert_allclose(told, STEP * np.cumsum(measured, axis=0), atol=1e-9)
     assert strength["encoders"] > 5.0 * strength["commands"]
 
 
-SWINGS = "speed/left_wheel_angle cos"
+SWINGS = "wheels/left_wheel_angle"
 
 
 @pytest.mark.parametrize(("seconds", "said"), [(20.0, True), (45.0, False)])
@@ -107,19 +88,3 @@ def test_a_robot_that_was_never_free_keeps_nobody_from_a_diagnosis(rows: int) ->
     found = diagnosed(pd.concat([frame, other], ignore_index=True))
     assert names(found) == []
     assert not found.unexplained
-
-
-@pytest.mark.parametrize(
-    ("changes", "feigned"),
-    [({"latency": 0.03}, FEIGNS["weak_motor"]), ({"acceleration": (40.0, 40.0)}, 0.0)],
-)
-def test_what_late_commands_feign_counts_where_they_explain_more(
-    changes: dict[str, object], feigned: float
-) -> None:
-    some = tracks(table(12, {0: replace(HEALTHY, **changes)}, robots=1))
-    problem = Problem(some, [Motion(drive=HEALTHY)])
-    late, weak = (Term(causes()[name], "") for name in ("clock_offset", "weak_motor"))
-    kept = problem.fit((late, weak), [np.array([[0.0, -0.1]])])
-    search = _Search(problem, reference(), swarm=False, shared=())
-    assert search.feigned(kept, weak) == feigned
-    assert _Search(problem, reference(), swarm=False, shared=(late,)).feigned(kept, weak) > 0.0

@@ -8,9 +8,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.causes import causes
-from realitygap.models.identify.hypothesis import Term
-from realitygap.models.identify.measure import distance
 from realitygap.models.information import inverted
 
 QUIET = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
@@ -78,16 +75,3 @@ def test_blocks_never_make_errors_smaller_than_white_ones(seed: int, size: int) 
     few = columns[:3]
     told = np.diag(found.sandwich(few.T @ few * 1e-3))
     assert (told >= np.diag(found.covariance) * (1.0 - 1e-9)).all()
-
-
-def test_what_a_fit_does_not_tell_is_no_distance_from_health() -> None:
-    term = Term(causes()["tracker_offset"], "")
-    value, none = np.array([[0.02, 0.03]]), np.zeros(1)
-    told, untold = np.diag([1e-6, 1e-6]), np.diag([1e-6, np.inf])
-    commands, mean, sd = np.ones((4, 2)), np.zeros(2), np.zeros(2)
-    both = distance(term, value, told[None], commands, mean, sd, none)
-    one = distance(term, value, untold[None], commands, mean, sd, none)
-    assert one[0] == pytest.approx(0.02 / np.hypot(1e-3, 1e-4), rel=1e-3)
-    assert one[0] < both[0]
-    nowhere = np.full(2, np.inf)
-    assert distance(term, value, told[None], commands, mean, nowhere, none)[0] == 0.0

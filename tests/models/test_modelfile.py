@@ -1,17 +1,24 @@
+import tomllib
+from collections.abc import Iterator
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
+import tomli_w
+from pydantic import BaseModel
 
 from realitygap.embedded_sim import Behaviour, InputError, PointModel, evaluate, readings
 from realitygap.models.modelfile import (
     SHIPPED,
+    ModelFile,
     find_model_file,
     load_model,
     load_models,
     read_model_file,
 )
 from realitygap.models.tables import save_tables
+from tests.models.nested import Keys, leaves, replaced
 from tests.models.small import tables
 
 EPUCK = "[robot]\nwheel_radius = 0.02\naxle = 0.05\nbody_radius = 0.03\nwheel_speed_max = 6.0\n"
@@ -103,6 +110,78 @@ def test_the_largest_nest_that_a_refusal_names_would_do(tmp_path: Path) -> None:
         behaviour=Behaviour(),
     )
     assert np.isfinite(found.fitness).all()
+
+
+WHOLE = """name = "m"
+[robot]
+wheel_radius = 0.02
+axle = 0.05
+body_radius = 0.03
+wheel_speed_max = 6.0
+[arena]
+radius = 1.1
+food_items = 5
+food_radius = 0.05
+nest = { x = 0.5, y = 0.0, radius = 0.3 }
+[lamps]
+opposite = { x = 1.0, y = 0.0 }
+at_nest = { x = 1.0, y = 0.0 }
+[sensors]
+tables = "epuck.npz"
+[extension]
+log = "x"
+command = "y"
+[[extension.causes]]
+name = "motor_saturation"
+robots = [3]
+word = "left"
+[extension.causes.parameters]
+limit = { value = 4.0, low = 3.9, high = 4.1, unit = "rad/s" }
+"""
+"""Every key that a model file can have."""
+
+
+NUMBERS = [keys for keys, value in leaves(tomllib.loads(WHOLE)) if isinstance(value, int | float)]
+
+
+def keys_of(kind: type[BaseModel]) -> set[str]:
+    """The keys of a table and of all tables in it."""
+    return set(kind.model_fields).union(
+        *(keys_of(inner) for f in kind.model_fields.values() for inner in tables_in(f.annotation))
+    )
+
+
+def tables_in(annotation: object) -> Iterator[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for inner in get_args(annotation):
+        yield from tables_in(inner)
+
+
+def test_the_whole_model_file_has_every_key() -> None:
+    there = {key for keys, _ in leaves(tomllib.loads(WHOLE)) for key in keys}
+    assert keys_of(ModelFile) <= there
+
+
+@pytest.mark.parametrize("keys", NUMBERS, ids=lambda keys: ".".join(map(str, keys)))
+@pytest.mark.parametrize("value", [True, "1"])
+def test_what_is_no_number_is_refused_wherever_a_model_file_has_one(
+    tmp_path: Path, keys: Keys, value: object
+) -> None:
+    path = tmp_path / "m.toml"
+    path.write_text(tomli_w.dumps(replaced(tomllib.loads(WHOLE), keys, value)))
+    with pytest.raises(InputError) as refusal:
+        read_model_file(path)
+    named = keys[:-1] if "robots" in keys else keys
+    assert refusal.value.field == f"m.toml: {'.'.join(map(str, named))}"
+    assert refusal.value.got == repr(value)
+
+
+def test_a_list_in_the_place_of_a_number_is_shown_as_it_was_written(tmp_path: Path) -> None:
+    path = tmp_path / "m.toml"
+    path.write_text('name = "m"\n' + EPUCK.replace("0.05", "[0.05, 1]"))
+    with pytest.raises(InputError, match=r"robot\.axle: got \[0\.05, 1\], expected a valid number"):
+        read_model_file(path)
 
 
 def test_a_robot_without_an_arena_may_be_larger_than_the_nominal_one(tmp_path: Path) -> None:

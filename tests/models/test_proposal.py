@@ -24,7 +24,7 @@ from realitygap.models.modelfile import read_model_file
 from realitygap.models.proposal import motion
 from realitygap.models.proposal.menu import ENOUGH, Proposal, distance, flights, ranked
 from realitygap.models.proposal.propose import with_proposal
-from realitygap.models.reference import Reference, Spread, no_reference
+from realitygap.models.reference import Column, Reference, no_reference
 from realitygap.models.repertoire import manoeuvres
 from realitygap.models.senses import nest
 from realitygap.models.senses.joined import with_senses
@@ -119,17 +119,13 @@ def test_every_cause_names_a_manoeuvre_of_the_menu() -> None:
 
 def sound(acceleration: float) -> Reference:
     """Health that is the point model's, but for the wheels' limited acceleration (rad/s^2)."""
-    terms = {}
-    for term in candidates():
-        none = (0.0,) * len(term.cause.parameters)
-        terms[term.key] = Spread(
-            mean=none, sd=none, swarm_mean=none, swarm_sd=none, farthest=0.0, swarm_farthest=0.0
-        )
+    none = Column(mean=0.0, sd=0.0, swarm_sd=0.0)
+    columns = {f"{t.key}.{p.name}": none for t in candidates() for p in t.cause.parameters}
     inherent = [
         p.coordinate(acceleration) if p.unit == "rad/s^2" else 0.0 for p in INHERENT.parameters
     ]
     return no_reference("e-puck", Drive()).model_copy(
-        update={"robots": 1, "swarms": 1, "terms": terms, "inherent": tuple(inherent)}
+        update={"robots": 1, "swarms": 1, "columns": columns, "inherent": tuple(inherent)}
     )
 
 

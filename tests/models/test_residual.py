@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.residual import Fitter
-from realitygap.models.identify.structure import _Steps
 from realitygap.models.identify.tracks import Tracks
+from realitygap.models.naming.flexible import Steps
 from realitygap.models.noise import PoseNoise
 
 QUIET = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
@@ -78,7 +78,7 @@ def test_a_derivative_is_the_finite_difference_of_the_errors(
     tracks, predicted = random_windows(seed, lengths, noise, error)
     fitter = Fitter(tracks)
     rng = np.random.default_rng(seed)
-    steps = _Steps(tracks, predicted)
+    steps = Steps(tracks, predicted)
     q = rng.normal(0.0, 1.0, len(predicted))
     changes = [steps.change(name, q) for name in ("speed", "bend", "turn_rate", "aside")]
     for change in [*changes, rng.normal(0.0, 0.1, predicted.shape)]:

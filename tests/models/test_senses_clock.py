@@ -8,11 +8,10 @@ import pytest
 from realitygap.models.causes import ALL, causes
 from realitygap.models.causes.withheld import without
 from realitygap.models.diagnosis import Unexplained
-from realitygap.models.identify.choice import Evidence
 from realitygap.models.identify.hypothesis import Term
-from realitygap.models.identify.swarm import Named
 from realitygap.models.identify.value import Value
 from realitygap.models.log import make_log
+from realitygap.models.naming.findings import Evidence, Named
 from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.clock import Shift, shifts, told_apart
 from realitygap.models.senses.problem import Problem

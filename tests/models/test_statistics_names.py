@@ -1,4 +1,4 @@
-"""From fits to names: distances from health, rivals, what a swarm shares, what health feigns."""
+"""From fits to names: distances from health, and rivals."""
 
 from __future__ import annotations
 
@@ -7,76 +7,27 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy import stats
 
-from realitygap.embedded_sim import Drive
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.identify import feigned as feigning
-from realitygap.models.identify.choice import Choice, Evidence
-from realitygap.models.identify.feigned import believable
-from realitygap.models.identify.hypothesis import Term as MotionTerm
-from realitygap.models.identify.measure import distance
-from realitygap.models.identify.select import _Search
-from realitygap.models.identify.swarm import _common
+from realitygap.models.identify.tracks import BLOCK_WINDOWS
 from realitygap.models.identify.value import values
-from realitygap.models.reference import Gates, Reference, Spread, no_reference
+from realitygap.models.naming.identify import _margin
 from realitygap.models.senses import diagnose as sense_diagnosis
 from realitygap.models.senses import naming, select
 from realitygap.models.senses.causes import sense_causes
 from realitygap.models.senses.problem import SWARM, Term
 from realitygap.models.senses.reference import Level, away, no_sense_reference
 from realitygap.models.senses.select import Found
-from tests.models.toys import MotionToy, SenseToy, motion_term, sense_term
+from tests.models.toys import SenseToy, motion_term, sense_term, tracks
 
 NO_COMMANDS = np.ones((1, 2))
 BLOCKS, ROWS = 10, 10
-NOISE = 1e-3
-"""Standard deviation of errors, in noise, that hardly count."""
-
-
-def health(sd: dict[str, float], *, gate: float = 4.0) -> Reference:
-    """A reference in which sound robots have these standard deviations, by cause."""
-    none = no_reference("toy", Drive())
-    spreads = {
-        name: Spread(
-            mean=(0.0,),
-            sd=(s,),
-            swarm_mean=(0.0,),
-            swarm_sd=(s,),
-            farthest=0.0,
-            swarm_farthest=0.0,
-        )
-        for name, s in sd.items()
-    }
-    return none.model_copy(
-        update={"robots": 10, "swarms": 2, "terms": spreads, "gates": Gates(distance=gate)}
-    )
 
 
 def patterns(number: int) -> FloatArray:
     """(number, 1, BLOCKS, ROWS, 1) columns that share nothing, alike in every block."""
     rows = np.linalg.qr(np.random.default_rng(0).normal(size=(ROWS, number)))[0].T
     return np.broadcast_to(rows[:, None, None, :, None], (number, 1, BLOCKS, ROWS, 1)).copy()
-
-
-@pytest.mark.parametrize("size", [1, 2, 3])
-def test_a_sound_robot_is_as_far_from_health_as_chance_has_it_whatever_a_term_can_bend(
-    size: int,
-) -> None:
-    """The squared distance is that of `size` normal values less `size - 1`: one is expected."""
-    random = np.random.default_rng(1)
-    logs, term = 4000, motion_term("a", size)
-    error, sd = np.diag([0.3, 1.0, 2.0][:size]), np.array([0.5, 0.1, 3.0])[:size]
-    mix = np.eye(size) + 0.3
-    covariance = mix @ error @ mix.T
-    mean = np.arange(1.0, size + 1.0)
-    value = mean + sd * random.normal(size=(logs, size))
-    value += random.multivariate_normal(np.zeros(size), covariance, logs)
-    each = np.broadcast_to(covariance, (logs, size, size))
-    far = distance(term, value, each, NO_COMMANDS, mean, sd, np.zeros(logs))
-    for gate in (0.5, 1.0, 2.0):
-        expected = stats.chi2.sf(gate**2 + size - 1, size)
-        assert (far > gate).mean() == pytest.approx(expected, abs=0.025)
 
 
 def test_a_reading_is_as_far_from_health_as_fit_and_healthy_spread_together_have_it() -> None:
@@ -123,31 +74,6 @@ def _sense_health(mean: float, sd: float) -> Any:
     )
 
 
-def searched(
-    y: FloatArray, columns: dict[str, FloatArray], terms: tuple[MotionTerm, ...], known: Reference
-) -> tuple[_Search, Any]:
-    """A selection in one robot, and its set of terms, fitted."""
-    problem = MotionToy(y, columns)
-    fit = problem.fit(terms, [np.zeros((1, len(terms)))])
-    return _Search(problem, known, False, ()), fit
-
-
-@pytest.mark.parametrize(("spread", "rival"), [(0.1, False), (30.0, True)])
-def test_a_rival_that_needs_another_difference_from_health_is_none(
-    spread: float, rival: bool
-) -> None:
-    """The truth is `a`. `b` and `c` together do the same: `b` alone stands in its place only where
-    sound robots may have so much of `c`."""
-    one, two = patterns(2)
-    a, b, c = (motion_term(name) for name in "abc")
-    y = 9.0 * (one + two)[..., 0] / np.sqrt(2.0)
-    y += NOISE * np.random.default_rng(4).normal(size=y.shape)
-    columns = {"a": (one + two) / np.sqrt(2.0), "b": one, "c": two}
-    search, kept = searched(y, columns, (a, c), health({"a": 0.1, "b": 0.1, "c": spread}))
-    found = search.rivals(kept, a, {a: 100.0, b: 100.0}, [c])
-    assert found == ((b,) if rival else ())
-
-
 EVEN = np.ones(BLOCKS) / BLOCKS
 UNEVEN = np.array([0.5, 0.5, *[0.0] * (BLOCKS - 2)])
 """Shares of a whole, by block."""
@@ -155,18 +81,10 @@ UNEVEN = np.array([0.5, 0.5, *[0.0] * (BLOCKS - 2)])
 
 def of_motion(lost: FloatArray, gain: float) -> bool:
     """Whether motion calls a rival worse by a (blocks,) deviance; `gain` is the cause's own."""
-    problem = MotionToy(np.zeros((1, BLOCKS, ROWS)), {})
-    fit = problem.at((), np.zeros((1, 0)))
-
-    def leaving(deviance: FloatArray) -> Any:
-        left = np.zeros((BLOCKS, ROWS, 3))
-        left[:, 0, 0] = np.sqrt(5.0 * np.expm1(deviance / 6.0))  # of Student-t errors
-        return replace(fit, held_out=left.reshape(-1, 3))
-
-    kept = np.full(BLOCKS, 30.0)
-    own, rival, none = (leaving(kept + more) for more in (0.0 * lost, lost, gain * EVEN))
-    assert problem.gain(rival, own).sum() == pytest.approx(lost.sum())
-    return _Search(problem, health({}), False, ())._worse(own, rival, none)
+    cut = tracks(1, BLOCKS, ROWS)
+    change = np.repeat(lost / BLOCK_WINDOWS, BLOCK_WINDOWS)
+    assert change.sum() == pytest.approx(lost.sum())
+    return bool(lost.sum() > _margin(change, cut, 0, gain))
 
 
 def of_senses(lost: FloatArray, gain: float) -> bool:
@@ -195,58 +113,6 @@ def test_what_a_rival_loses_must_be_clear_of_its_scatter_from_block_to_block(wor
 def test_a_fifth_of_a_causes_gain_is_missed_however_few_blocks_it_is_lost_in() -> None:
     assert of_motion(40.0 * UNEVEN, 150.0)
     assert not of_motion(40.0 * UNEVEN, 900.0)
-
-
-def test_what_a_few_robots_have_is_not_what_the_swarm_shares() -> None:
-    """A value common to ten robots of which three have the cause makes the other seven worse."""
-    (one,) = patterns(1)
-    a = motion_term("a")
-    for have, shared in ((3, False), (10, True)):
-        has = (np.arange(10) < have)[:, None, None]
-        y = np.where(has, one[..., 0], 0.0)
-        y = y + 0.05 * np.random.default_rng(5).normal(size=y.shape)
-        problem = MotionToy(y, {"a": np.repeat(one, 10, axis=0)}, together=True)
-        before = problem.at((), np.zeros((1, 0)))
-        fit = problem.fit((a,), [np.zeros((1, 1))])
-        evidence = evidence_of(a, fit.coordinates[0], fit.covariance[0])
-        choice = Choice(problem=problem, named=(evidence,), fit=fit, before=before)
-        assert fit.coordinates[0, 0] == pytest.approx(0.1 * have, rel=0.2)
-        assert _common(problem, choice, evidence) is shared
-
-
-def evidence_of(term: MotionTerm, at: FloatArray, covariance: FloatArray) -> Evidence:
-    return Evidence(
-        term=term,
-        coordinates=at,
-        covariance=covariance,
-        gain=100.0,
-        share=0.5,
-        distance=9.0,
-    )
-
-
-@pytest.mark.parametrize(("spread", "named"), [(0.2, True), (4.0, False)])
-def test_what_healthy_differences_in_another_term_feign_is_no_name(
-    monkeypatch: pytest.MonkeyPatch, spread: float, named: bool
-) -> None:
-    """A term left out biases the one fitted by its value times their overlap, a.b / a.a."""
-    one, two = patterns(2)
-    a, b = motion_term("a"), motion_term("b")
-    monkeypatch.setattr(feigning, "candidates", lambda: (a, b))
-    overlap = 0.6
-    columns = {"a": one, "b": overlap * one + np.sqrt(1.0 - overlap**2) * two}
-    problem = MotionToy(0.5 * one[..., 0], columns)
-    fit = problem.fit((a,), [np.zeros((1, 1))])
-    known = health({"a": 0.01, "b": spread})
-    told = feigning._of_health(problem, fit, known)
-    assert told == pytest.approx([overlap * spread], rel=1e-3)
-    sharp = replace(fit, covariance=np.full((1, 1, 1), 1e-4))
-    evidence = evidence_of(a, fit.coordinates[0], sharp.covariance[0])
-    before = problem.at((), np.zeros((1, 0)))
-    choice = Choice(problem=problem, named=(evidence,), fit=sharp, before=before)
-    assert fit.coordinates[0, 0] == pytest.approx(0.5, rel=0.05)
-    kept, _ = believable(problem, choice, {a: feigning.Twins(a, sharp, ())}, known)
-    assert bool(kept) is named
 
 
 def test_one_that_can_bend_further_is_no_rival_for_fitting_as_well() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,7 @@ from realitygap.embedded_sim.senses import Senses
 from realitygap.models.causes.cause import Parameter
 from realitygap.models.identify.diagnose import diagnose
 from realitygap.models.log import make_log
+from realitygap.models.reference import Reference
 from realitygap.models.schema import PS
 from realitygap.models.senses.cause import Belief, SenseCause
 from realitygap.models.senses.causes import sense_causes
@@ -73,11 +75,24 @@ def test_without_the_healthy_noise_no_robot_is_called_noisy_and_it_is_said() -> 
     assert noise_named([(0.0, np.inf, False)], (0,)) == ()
 
 
+def knowing(chosen: Callable[[str], bool]) -> Reference:
+    """The healthy reference with some coefficients alone."""
+    whole = reference()
+    kept = [chosen(name) for name in whole.causes]
+    related = np.array(whole.correlation)[np.ix_(kept, kept)]
+    return whole.model_copy(
+        update={
+            "columns": {k: v for k, v in whole.columns.items() if chosen(k)},
+            "causes": tuple(name for name in whole.causes if chosen(name)),
+            "correlation": tuple(map(tuple, related.tolist())),
+        }
+    )
+
+
 def test_a_cause_in_motion_that_the_reference_does_not_know_is_not_named() -> None:
     wide = table(13, {1: replace(HEALTHY, axle=0.056)})
     assert names(diagnosed(wide)) == [("wheel_separation", (1,))]
-    known = {k: v for k, v in reference().terms.items() if k != "wheel_separation"}
-    found = diagnosed(wide, reference().model_copy(update={"terms": known}))
+    found = diagnosed(wide, knowing(lambda name: not name.startswith("wheel_separation.")))
     assert not [one for one in found.named if one.term.cause.name == "wheel_separation"]
     said = [text for text in found.not_checked if text.startswith("wheel_separation")]
     assert len(said) == 1
@@ -88,12 +103,12 @@ def test_what_a_motion_may_follow_is_judged_only_where_health_is_known() -> None
     frame = table(12, {})
     frame.loc[frame["robot"] == 1, "x"] *= 1.06
     assert diagnosed(frame).unexplained[0].quantity == "heading_twice"
-    known = {k: v for k, v in reference().structure.items() if "heading_twice" not in k}
-    found = diagnosed(frame, reference().model_copy(update={"structure": known}))
+    found = diagnosed(frame, knowing(lambda name: "heading_twice" not in name))
     assert "heading_twice" not in {one.quantity for one in found.unexplained}
     assert any("which axis it faces along" in text for text in found.not_checked)
-    nothing = diagnosed(frame, reference().model_copy(update={"structure": {}}))
+    nothing = diagnosed(frame, knowing(lambda name: "/" not in name))
     assert not [one for one in nothing.unexplained if one.channel == "bend"]
+    assert any("anything follows a measured quantity" in text for text in nothing.not_checked)
 
 
 def test_without_health_torque_and_friction_are_shares_of_nothing() -> None:

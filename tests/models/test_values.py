@@ -16,10 +16,9 @@ from realitygap.models.causes import Cause, Motion
 from realitygap.models.causes.command_latency import CAUSE as LATENCY
 from realitygap.models.diagnosis import Diagnosis, as_json, extension
 from realitygap.models.extension import NamedCause, ParameterValue
-from realitygap.models.identify.choice import Evidence
 from realitygap.models.identify.hypothesis import Term
-from realitygap.models.identify.swarm import Named
 from realitygap.models.identify.value import values
+from realitygap.models.naming.findings import Evidence, Named
 from realitygap.models.senses.cause import Belief, SenseCause
 from realitygap.models.senses.causes import sense_causes
 from realitygap.models.senses.clock import Shift, told_apart

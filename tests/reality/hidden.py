@@ -10,11 +10,14 @@ import numpy.typing as npt
 
 from realitygap.reality import constants as k
 from realitygap.reality.effects import parse_effects
+from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.reality.world import World
 
 FloatArray = npt.NDArray[np.float64]
 Commands = Callable[[int], tuple[float, float]]
 
+ENGINE: EngineName = DEFAULT
+"""Of the worlds; the fixture `engine` puts each in turn."""
 FULL = 6.0
 """rad/s."""
 SPEED = FULL * k.WHEEL_RADIUS
@@ -59,13 +62,23 @@ class Path:
         return yaw - yaw[0]
 
 
+def world_of(robots: int, *specs: str, seed: int = 1, poses: FloatArray | None = None) -> World:
+    """A world with something hidden in it."""
+    return World(
+        robots,
+        np.random.SeedSequence(seed),
+        effects=parse_effects(specs, robots),
+        poses=poses,
+        engine=ENGINE,
+    )
+
+
 def drive(
     commands: Commands, seconds: float, *specs: str, poses: FloatArray = SIDE_BY_SIDE
 ) -> Path:
     """Both robots obey the same commands for a while."""
     robots = len(poses)
-    effects = parse_effects(specs, robots)
-    world = World(robots, np.random.SeedSequence(1), effects=effects, poses=poses)
+    world = world_of(robots, *specs, poses=poses)
     steps = round(seconds / STEP)
     true, measured = np.empty((steps + 1, robots, 3)), np.empty((steps + 1, robots, 3))
     encoders = np.empty((steps + 1, robots, 2))
@@ -82,8 +95,7 @@ def drive(
 def readings(*specs: str, poses: FloatArray, scenario: int = 1, repeats: int = 400) -> Readings:
     """What robots at rest read, many times over; `scenario` as in `embedded_sim.SCENARIOS`."""
     robots = len(poses)
-    effects = parse_effects(specs, robots)
-    world = World(robots, np.random.SeedSequence(1), effects=effects, poses=poses)
+    world = world_of(robots, *specs, poses=poses)
     world.light.set_scenario(scenario)
     ps, ls = np.empty((repeats, robots, 8)), np.empty((repeats, robots, 8))
     for i in range(repeats):

@@ -8,7 +8,7 @@ import pytest
 from realitygap.embedded_sim import InputError
 from realitygap.reality.effects import catalogue, parse_effects
 from realitygap.reality.effects.effect import Effect
-from realitygap.reality.world import World
+from tests.reality.hidden import world_of
 
 SPECS = {
     "wheel_radius_mismatch": ("ratio",),
@@ -60,7 +60,7 @@ def null_spec(effect: Effect) -> str | None:
 
 def numbers_after(steps: int, *specs: str) -> tuple[np.ndarray, ...]:
     """Everything a run can show after some steps of three robots in a lit arena."""
-    world = World(3, np.random.SeedSequence(7), effects=parse_effects(specs, 3))
+    world = world_of(3, *specs, seed=7)
     world.light.set_scenario(2)
     commands = np.array([[5.0, 3.0], [-4.0, 4.0], [6.0, 6.0]])
     for step in range(steps):
@@ -81,6 +81,7 @@ def test_the_catalogue_has_these_effects_with_these_keys() -> None:
     assert {name for name, e in catalogue().items() if not e.per_robot} == OF_THE_PLACE
 
 
+@pytest.mark.usefixtures("engine")
 @pytest.mark.parametrize("name", sorted(SPECS))
 def test_a_null_value_changes_no_bit(name: str) -> None:
     spec = null_spec(catalogue()[name])
@@ -91,6 +92,7 @@ def test_a_null_value_changes_no_bit(name: str) -> None:
         assert (found == nominal).all()
 
 
+@pytest.mark.usefixtures("engine")
 @pytest.mark.parametrize(
     "spec",
     [

@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from realitygap.reality import constants as k
+from realitygap.reality.engine import EngineName
 from tests.reality.hidden import FULL, SPEED, drive, rest, spin, straight
+
+pytestmark = pytest.mark.usefixtures("engine")
 
 
 def lag_of_second(spec: str, seconds: float = 1.0) -> float:
@@ -69,10 +72,16 @@ def test_a_lagging_motor_approaches_its_speed_exponentially(time_constant: float
 
 
 @pytest.mark.parametrize("torque", [0.003, 0.001])
-def test_a_weak_motor_accelerates_with_its_torque(torque: float) -> None:
-    path = drive(straight, 0.04, f"weak_motor:torque={torque},robot=1")
-    steps = 4  # of the physics, each at the speed it ends with
-    acceleration = path.ahead[-1, 1] / (k.PHYSICS_STEP**2 * steps * (steps + 1) / 2)
+def test_a_weak_motor_accelerates_with_its_torque(engine: EngineName, torque: float) -> None:
+    path = drive(
+        lambda step: (0.0, 0.0) if step < 5 else straight(step),
+        0.24,
+        f"weak_motor:torque={torque},robot=1",
+    )
+    # pybullet's poses are those of a step's end, each step at the speed it ends with
+    ahead = {"pybullet": k.PHYSICS_STEP, "mujoco": 0.0}[engine]
+    way = path.ahead[6, 1] - path.ahead[5, 1]  # settled on its skid
+    acceleration = 2.0 * way / (k.CONTROL_STEP * (k.CONTROL_STEP + ahead))
     force = 2.0 * torque / k.WHEEL_RADIUS
     rolling = k.MASS + 2.0 * k.WHEEL_INERTIA / k.WHEEL_RADIUS**2
     assert acceleration == pytest.approx(force / rolling, rel=0.08)
@@ -83,8 +92,29 @@ def test_wheels_that_slip_accelerate_with_their_friction(friction: float) -> Non
     # In the first 40 ms the motors, which run up their rotors, press the wheels on the floor.
     path = drive(straight, 0.12, f"low_friction:friction={friction},robot=1")
     acceleration = np.diff(path.ahead[1:4, 1], 2)[0] / k.CONTROL_STEP**2
-    share = 1.0 - k.CENTRE_OF_MASS[0] / k.SKID  # of the weight on the wheels
-    assert acceleration == pytest.approx(friction * k.GRAVITY * share, rel=0.1)
+    assert acceleration == pytest.approx(slipping(friction), rel=0.03)
+
+
+@pytest.mark.parametrize("friction", [0.05, 0.1])
+def test_locked_wheels_stop_a_robot_by_their_friction(friction: float) -> None:
+    path = drive(
+        lambda step: straight(step) if step < 25 else (0.0, 0.0),
+        1.2,
+        f"low_friction:friction={friction},robot=1",
+    )
+    deceleration = -np.diff(path.ahead[26:, 1], 2)[0] / k.CONTROL_STEP**2
+    assert deceleration == pytest.approx(-slipping(-friction), rel=0.03)
+
+
+def slipping(friction: float) -> float:
+    """m/s^2 of a robot whose wheels slip, forward: friction times the weight that they carry.
+
+    What is pushed at the floor tips back, off the skid.
+    """
+    masses = np.array([k.MASS - 2.0 * k.WHEEL_MASS - k.SKID_MASS, 2.0 * k.WHEEL_MASS, k.SKID_MASS])
+    ahead = masses @ [k.CENTRE_OF_MASS[0], 0.0, k.SKID] / k.MASS
+    height = masses @ [k.CENTRE_OF_MASS[2], k.WHEEL_RADIUS, k.SKID_RADIUS] / k.MASS
+    return float(friction * k.GRAVITY * (1.0 - ahead / k.SKID) / (1.0 - friction * height / k.SKID))
 
 
 def test_encoders_tell_a_slipping_wheel_from_a_weak_motor() -> None:

@@ -9,9 +9,7 @@ import pytest
 
 from realitygap.embedded_sim import SENSOR_ANGLES
 from realitygap.reality import constants as k
-from realitygap.reality.effects import parse_effects
-from realitygap.reality.world import World
-from tests.reality.hidden import drive, readings, straight
+from tests.reality.hidden import drive, readings, straight, world_of
 
 NO_LIGHT, AT_NEST = 1, 2
 BEFORE_WALL = np.array([[0.54, 0.0, 0.0], [-0.54, 0.0, math.pi]])
@@ -20,6 +18,8 @@ BEFORE_EACH_OTHER = np.array([[-0.045, 0.0, 0.0], [0.045, 0.0, math.pi]])
 IN_THE_OPEN = np.array([[0.0, 0.3, 0.0], [0.0, -0.3, 0.0]])
 """Nothing within reach of the infrared; the lamp at the nest ahead and to the side."""
 FRONT = [0, 7]
+
+pytestmark = pytest.mark.usefixtures("engine")
 
 
 def signal(*specs: str, scenario: int = AT_NEST, poses: np.ndarray = IN_THE_OPEN) -> np.ndarray:
@@ -172,7 +172,7 @@ def test_a_covered_light_sensor_reads_dark() -> None:
 
 def on_nest(x: float, y: float, *specs: str) -> list[bool]:
     """What the virtual sensor says to two robots that follow one another to a place."""
-    world = World(2, np.random.SeedSequence(3), effects=parse_effects(specs, 2))
+    world = world_of(2, *specs, seed=3)
     world.tracker.poses[:] = x, y, 0.0
     world.tracker.locate(np.zeros(2, dtype=np.uint8))
     world.close()

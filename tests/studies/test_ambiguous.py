@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from realitygap.studies.ambiguous import PAIRS, trial
+from realitygap.studies.measure.ambiguous import PAIRS, trial
 
 
 def test_readings_of_robots_settle_whether_the_wall_or_the_sensors_are_at_fault() -> None:

@@ -7,15 +7,15 @@ from pathlib import Path
 from typer.testing import CliRunner
 
 from realitygap.reality.effects import catalogue
-from realitygap.studies.catalogue import KINDS, document, entries, key_text
 from realitygap.studies.cli import app
+from realitygap.studies.hidden.catalogue import KINDS, document, entries, key_text
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "effects.md"
 
 
 def test_the_documented_catalogue_is_up_to_date() -> None:
     assert DOCUMENT.read_text(encoding="utf-8") == document(), (
-        "run: python -m realitygap.studies.catalogue docs/effects.md"
+        "run: realitygap effects --out docs/effects.md --force"
     )
 
 

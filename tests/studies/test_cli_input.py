@@ -1,11 +1,15 @@
 import os
 import subprocess
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+import typer
 
-from realitygap.studies.altered import MODEL
+from realitygap.studies.cli import app
 from realitygap.studies.cli.say import LONGEST_LINE, say
+from realitygap.studies.run.altered import MODEL
 from realitygap.studies.transfer.beliefs import given_model
 from tests.helpers import COMMAND, ENVIRONMENT, realitygap
 from tests.models.small import driven_log
@@ -55,3 +59,60 @@ def test_a_given_model_is_kept_with_its_tables_wherever_they_lie(tmp_path, name)
     kept = given_model(str(room / "m.toml"))
     assert set(kept) == {MODEL, "t.npz"}
     assert b'tables = "t.npz"' in kept[MODEL]
+
+
+def with_out(command: Any, words: tuple[str, ...] = ()) -> Iterator[list[str]]:
+    """The words of every command that writes to `--out`."""
+    if any("--out" in one.opts for one in command.params):
+        yield list(words)
+    for name, inner in getattr(command, "commands", {}).items():
+        yield from with_out(inner, (*words, name))
+
+
+@pytest.mark.parametrize("words", [*with_out(typer.main.get_command(app))], ids=" ".join)
+def test_no_text_is_no_place_for_output(words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(typer.BadParameter) as refused:
+        app([*words, "--out", ""], standalone_mode=False)
+    assert refused.value.format_message() == "Invalid value for '--out': got '', expected a path"
+    assert not list(tmp_path.iterdir())
+
+
+EXTENDED = """name = "x"
+[robot]
+wheel_radius = 0.0205
+axle = 0.053
+body_radius = 0.035
+wheel_speed_max = 6.28
+[extension]
+log = "another"
+[[extension.causes]]
+name = "wheel_radius_scale"
+parameters = { scale = { value = 1.02 } }
+"""
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "gap wild.csv",
+        "diagnose wild.csv",
+        "reference wild.csv --jobs 1",
+        "gain --log wild.csv --extended extended.toml --jobs 1",
+        "gain --log mild.csv --healthy wild.csv --extended extended.toml --jobs 1",
+        "import csv wild.csv --map map.toml",
+    ],
+)
+def test_every_reader_of_logs_refuses_commands_that_no_wheel_can_follow(words, tmp_path):
+    frame = driven_log(1, rows=300, robots=1, position_noise=1e-3)
+    frame.to_csv(tmp_path / "mild.csv", index=False)
+    lengths = {name: 1000.0 * frame[name] for name in ("x", "y", "cmd_left", "cmd_right")}
+    frame.assign(**lengths).to_csv(tmp_path / "wild.csv", index=False)
+    (tmp_path / "extended.toml").write_text(EXTENDED)
+    units = {"t": "s", "x": "m", "y": "m", "yaw": "rad", "cmd_left": "rad/s", "cmd_right": "rad/s"}
+    lines = [f'{name} = {{ from = "{name}", unit = "{unit}" }}' for name, unit in units.items()]
+    (tmp_path / "map.toml").write_text("\n".join(["[columns]", *lines]))
+    done = realitygap(*words.split(), "--out", "out.parquet", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "commands: got wheel speeds of" in done.stderr.splitlines()[-1]
+    assert "at most 6.28 rad/s on this robot" in done.stderr

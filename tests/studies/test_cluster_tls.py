@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 
 from realitygap.embedded_sim.errors import InputError
-from realitygap.studies.execution import Workers
-from realitygap.studies.manifest import made
+from realitygap.studies.plumbing.execution import Workers
+from realitygap.studies.plumbing.manifest import made
 
 pytest.importorskip("distributed")
 OPENSSL = shutil.which("openssl")
@@ -95,7 +95,7 @@ def scheduler(certificate: tuple[Path, Path]) -> Iterator[str]:
 @pytest.fixture
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine takes long to start a scheduler."""
-    monkeypatch.setattr("realitygap.studies.execution.CONNECT_SECONDS", 300.0)
+    monkeypatch.setattr("realitygap.studies.plumbing.execution.CONNECT_SECONDS", 300.0)
 
 
 def test_work_reaches_workers_through_tls_with_the_certificates_of_the_configuration(

@@ -9,14 +9,14 @@ import pytest
 
 from realitygap.models.modelfile import read_model_file
 from realitygap.reality.effects import parse_effects
-from realitygap.studies.blind.menu import MENU
 from realitygap.studies.demo.chapters import CHAPTERS, tell
 from realitygap.studies.demo.hide import MENU_OF_THE_DEMO, draw, run_seed, seal, unseal
 from realitygap.studies.demo.report import write_report
-from realitygap.studies.demo.story import Size, as_json, verdict_line
-from realitygap.studies.execution import Workers
-from realitygap.studies.experiment import RunConfig
-from realitygap.studies.provenance import write_json
+from realitygap.studies.demo.story import Size, as_json
+from realitygap.studies.hidden.menu import MENU
+from realitygap.studies.plumbing.execution import Workers
+from realitygap.studies.plumbing.provenance import write_json
+from realitygap.studies.run.experiment import RunConfig
 
 SEEDS = range(200)
 
@@ -67,7 +67,7 @@ def test_the_whole_story_in_short(tmp_path: Path, capfd: pytest.CaptureFixture[s
     assert content["hidden"]["spec"] == draw(0).hidden.spec
     assert not list(tmp_path.rglob("truth.json"))  # nothing but the seal holds what was hidden
     assert content["diagnosis"]["named"]  # of so short a log more may be named beside it
-    assert "hidden was second_lamp: rightly named" in verdict_line(story)
+    assert "hidden was second_lamp: rightly named" in story.verdict
     causes = content["diagnosis"]["causes"]
     lamp = next(cause for cause in causes if cause["name"] == "second_lamp")
     intensity = lamp["parameters"]["intensity"]

@@ -6,13 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import realitygap as rg
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.models.extension import Extension, NamedCause, ParameterValue
 from realitygap.models.log import write_table
 from realitygap.models.modelfile import read_model_file
-from realitygap.studies.diagnosis_files import diagnose_files, read_logs
-from realitygap.studies.diagnosis_request import Request
-from realitygap.studies.reference_files import ReferenceRequest, write_reference_of
+from realitygap.studies.inputs.logs import read_logs
 from tests.models.small import driven_log
 
 
@@ -30,7 +29,7 @@ def test_a_diagnosis_is_a_json_a_model_and_a_page(log: Path, tmp_path: Path) -> 
     model = tmp_path / "open.toml"
     robot = "wheel_radius = 0.0205\naxle = 0.053\nbody_radius = 0.035\nwheel_speed_max = 6.28\n"
     model.write_text(f'name = "a robot in the open"\n[robot]\n{robot}')
-    found = diagnose_files(Request(logs=(log,), model=str(model)), out)
+    found = rg.diagnose(log, model=model, out=out)
     content = json.loads((out / "diagnosis.json").read_text())
     assert content["schema"] == 2
     assert content["verdict"] == found.verdict
@@ -49,7 +48,7 @@ def test_a_diagnosis_is_a_json_a_model_and_a_page(log: Path, tmp_path: Path) -> 
 
 def test_what_is_there_is_kept_unless_forced(log: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="--out"):
-        diagnose_files(Request(logs=(log,)), tmp_path)
+        rg.diagnose(log, out=tmp_path)
 
 
 def test_two_logs_are_one_log_of_two_runs(log: Path, tmp_path: Path) -> None:
@@ -94,9 +93,9 @@ def test_logs_of_different_commands_are_refused(log: Path, tmp_path: Path) -> No
 
 def test_a_missing_reference_is_refused(log: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="--reference"):
-        diagnose_files(Request(logs=(log,), reference="nowhere.json"), tmp_path / "out")
+        rg.diagnose(log, reference="nowhere.json", out=tmp_path / "out")
     with pytest.raises(InputError, match="LOG"):
-        write_reference_of(ReferenceRequest(), tmp_path / "r.json")
+        rg.measure_health(out=tmp_path / "r.json")
 
 
 def test_a_reference_by_a_model_whose_tables_are_missing_is_refused_before_anything_runs(
@@ -105,6 +104,5 @@ def test_a_reference_by_a_model_whose_tables_are_missing_is_refused_before_anyth
     model = tmp_path / "mine.toml"
     robot = "wheel_radius = 0.0205\naxle = 0.053\nbody_radius = 0.035\nwheel_speed_max = 6.28\n"
     model.write_text(f'name = "x"\n[robot]\n{robot}[sensors]\ntables = "nowhere.npz"\n')
-    request = ReferenceRequest(logs=(log,), model=str(model))
     with pytest.raises(InputError, match="nowhere"):
-        write_reference_of(request, tmp_path / "r.json")
+        rg.measure_health(log, model=model, out=tmp_path / "r.json")

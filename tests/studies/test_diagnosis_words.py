@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from realitygap.models.diagnosis import Detectable, Diagnosis, Unexplained
-from realitygap.studies.diagnosis_words import detectable_sentence, verdict_sentence
+from realitygap.studies.diagnosis.words import detectable_sentence, verdict_sentence
 from tests.models.test_diagnosis import LAG, named
 
 LEFT = Unexplained(channel="motion", share=0.2, where="it drifts", robots=(1,), quantity="error")

@@ -59,9 +59,47 @@ def test_the_readmes_python_works_on_what_its_commands_wrote(tmp_path: Path) -> 
         "run", "--minutes", "1.1", "--robots", "2", "--out", tmp_path / "out" / "run", cwd=tmp_path
     )
     assert done.returncode == 0, done.stderr
-    (code,) = blocks("README.md", "python")
+    code, _ = blocks("README.md", "python")
     code = code.replace('"out/run/', f'"{tmp_path}/out/run/')
     exec(compile(code, "README.md", "exec"), {})
+
+
+def snippets(document: str) -> None:
+    """Execute a document's Python, block by block, as one reader would type it."""
+    typed: dict[str, object] = {}
+    for code in blocks(document, "python"):
+        exec(compile(code, document, "exec"), typed)
+
+
+@pytest.fixture
+def beside_docs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "docs").symlink_to(ROOT / "docs")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_readmes_lines_for_a_notebook_work(
+    beside_docs: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, code = blocks("README.md", "python")
+    exec(compile(code, "README.md", "exec"), {})
+    said = capsys.readouterr().out
+    assert "Diagnosis: " in said
+    assert "wheel_radius_mismatch" in said
+    assert "Gain\n" in said
+    assert (beside_docs / "out" / "mine-notebook" / "report.html").is_file()
+
+
+def test_every_snippet_of_the_door_works(
+    beside_docs: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    snippets("docs/api.md")
+    said = capsys.readouterr().out
+    assert "Diagnosis: named" in said
+    assert "did you mean epuck" in said
+    before, after = map(float, re.findall(r"^(\S+) rad after 1 s$", said, re.MULTILINE))
+    assert after < 0.5 * before
+    assert (beside_docs / "out" / "diagnosis" / "extended.toml").is_file()
 
 
 @pytest.mark.parametrize("target", ["demo", "test", "lint", "asan", "bench"])

@@ -10,9 +10,9 @@ import pandas as pd
 import pytest
 
 from realitygap.models.extension import Extension, NamedCause, ParameterValue
-from realitygap.models.modelfile import find_model_file, read_model_file
+from realitygap.models.modelfile import read_model_file
 from realitygap.studies.cli import main
-from realitygap.studies.diagnosis_files import write_extended
+from realitygap.studies.inputs.model import Model
 
 Run = pytest.MonkeyPatch
 
@@ -32,7 +32,7 @@ def extended(room: Path, robots: object, separation: float) -> Path:
         parameters={"scale": ParameterValue(value=separation, low=0.9, high=1.5, unit="1")},
     )
     named = Extension(log="0" * 64, command="realitygap diagnose", causes=(cause,))
-    write_extended(read_model_file("epuck"), find_model_file("epuck"), named, room)
+    Model.load("epuck").extended(named).keep(room)
     return room / "extended.toml"
 
 

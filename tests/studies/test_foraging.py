@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from realitygap.studies.experiment import RunConfig, simulate
+from realitygap.studies.run.experiment import RunConfig, simulate
 
 
 def food(job: tuple[str, str, float, int]) -> float:

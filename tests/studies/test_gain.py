@@ -10,21 +10,19 @@ import pandas as pd
 import pytest
 
 from realitygap.embedded_sim import Drive, InputError
-from realitygap.models.diagnosis import file_hash
 from realitygap.models.extension import Extension, NamedCause, ParameterValue
 from realitygap.models.log import make_log, write_table
-from realitygap.models.modelfile import ModelFile, find_model_file, load_model, read_model_file
+from realitygap.models.modelfile import ModelFile, load_model, read_model_file
 from realitygap.models.prediction import prediction_errors
 from realitygap.reality.effects import parse_effects
-from realitygap.studies.diagnosis_files import write_extended
-from realitygap.studies.gain.catalogue import groups
 from realitygap.studies.gain.food import food_lines, food_table, read_transfer
-from realitygap.studies.gain.measure import measure_gain
-from realitygap.studies.gain.report import write_gain
-from realitygap.studies.gain.request import GainRequest
+from realitygap.studies.gain.measure import gain
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE, plan
 from realitygap.studies.gain.truth import true_model
 from realitygap.studies.gain.weigh import entry, weigh
+from realitygap.studies.inputs.logs import log_hash
+from realitygap.studies.inputs.model import Model
+from realitygap.studies.measure.gain import groups
 from tests.helpers import realitygap
 from tests.models.small import arena_log
 
@@ -58,8 +56,8 @@ def in_a_lab(room: Path, *causes: NamedCause) -> tuple[Path, Path, Path]:
     write_table(recording(10, "a"), first)
     runs = [recording(100 * k, f"r{k}") for k in range(1, 5)]
     write_table(pd.concat(runs, ignore_index=True), later)
-    named = Extension(log=file_hash([first]), command="by hand", causes=causes)
-    write_extended(EPUCK, find_model_file("epuck"), named, room)
+    named = Extension(log=log_hash(first), command="by hand", causes=causes)
+    Model.load("epuck").extended(named).keep(room)
     return first, later, room / "extended.toml"
 
 
@@ -171,25 +169,23 @@ def test_held_out_runs_are_other_runs_and_the_twins_have_the_same_seeds() -> Non
 
 def test_a_lab_measures_on_runs_that_nothing_was_named_from(tmp_path: Path) -> None:
     first, later, extended = in_a_lab(tmp_path, ratio(1.0609))
-    request = GainRequest(logs=(first, later), extended=str(extended), jobs=1)
-    gain = measure_gain(request)
-    content = gain.content
+    found = gain([first, later], extended, jobs=1)
+    content = found.content
     assert content["held_out"] == {"source": "logs", "runs": [{"run": str(later)}], "robots": [1]}
     assert content["healthy"] == "other robots"
     assert content["oracle"] is False
     read = [(one["option"], one["file"]) for one in content["inputs"]]
     assert read[:2] == [("--log", str(first)), ("--log", str(later))]
     assert read[2] == ("--extended", str(extended))
-    assert content["inputs"][0]["sha256"] == file_hash([first])
-    found = entry(content["errors"], "heading", "1 s")
-    assert found[ORACLE] is None
-    assert found["closed"]["value"] > 0.8
-    assert found["over_healthy"]["value"] == pytest.approx(1.0, abs=0.2)
+    assert content["inputs"][0]["sha256"] == log_hash(first)
+    heading = entry(content["errors"], "heading", "1 s")
+    assert heading[ORACLE] is None
+    assert heading["closed"]["value"] > 0.8
+    assert heading["over_healthy"]["value"] == pytest.approx(1.0, abs=0.2)
     out = tmp_path / "out"
-    out.mkdir()
-    lines = write_gain(gain, out)
+    found.write(out)
     assert json.loads((out / "gain.json").read_text())["schema"] == 1
-    assert any("not known" in line for line in lines)
+    assert any("not known" in line for line in found.summary)
     page = (out / "report.html").read_text()
     assert "wheel_radius_mismatch" in page
     assert "http" not in page.replace("http-equiv", "")
@@ -210,16 +206,16 @@ def test_the_log_that_was_named_from_is_not_held_out(tmp_path: Path) -> None:
         ((), {"extended": "epuck"}, r"\[extension\]"),
         ((), {"effects": ("motor_lagg:x=1",)}, "did you mean motor_lag"),
         ((ratio(1.02, (7,)),), {}, "robots: got 7"),
-        ((ratio(1.02),), {"logs": (Path("nowhere.csv"),)}, "--log"),
+        ((ratio(1.02),), {"log": Path("nowhere.csv")}, "--log"),
     ],
 )
 def test_what_cannot_be_measured_is_refused(
     causes: tuple[NamedCause, ...], change: dict[str, object], said: str, tmp_path: Path
 ) -> None:
     _, later, extended = in_a_lab(tmp_path, *causes)
-    words = {"logs": (later,), "extended": str(extended), "jobs": 1, **change}
+    words = {"log": later, "extended": extended, "jobs": 1, **change}
     with pytest.raises(InputError, match=said):
-        measure_gain(GainRequest(**words))
+        gain(**words)
 
 
 def test_effects_other_than_what_was_hidden_are_refused(tmp_path: Path) -> None:
@@ -230,7 +226,7 @@ def test_effects_other_than_what_was_hidden_are_refused(tmp_path: Path) -> None:
     (run / "truth.json").write_text('{"effects": []}')
     effects = ("motor_lag:time_constant=0.1,robot=1",)
     with pytest.raises(InputError, match="--effect"):
-        measure_gain(GainRequest(logs=(run,), extended=str(extended), effects=effects))
+        gain(run, extended, effects=effects)
 
 
 @pytest.mark.parametrize("name", ["run.json", "truth.json"])
@@ -245,7 +241,7 @@ def test_damaged_notes_beside_a_log_are_one_clear_line(
     (run / name).write_text(content)
     effects = ("wheel_radius_mismatch:ratio=1.0609,robot=1",)
     with pytest.raises(InputError, match=f"the {name} of a run"):
-        measure_gain(GainRequest(logs=(run,), extended=str(extended), effects=effects))
+        gain(run, extended, effects=effects)
 
 
 def test_every_effect_of_the_catalogue_is_hidden_once_at_the_size_asked_for() -> None:

@@ -8,16 +8,16 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
+import realitygap as rg
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.models.gap import measure_gap
 from realitygap.models.log import make_log
-from realitygap.models.modelfile import load_common, read_model_file
+from realitygap.models.modelfile import read_model_file
 from realitygap.studies.cli import app
 from realitygap.studies.fitness_gap.by_third import coevolution_gap
 from realitygap.studies.fitness_gap.generations import read_generations
-from realitygap.studies.gap_figures import draw_figures
-from realitygap.studies.gap_report import write_gap
-from realitygap.studies.provenance import file_sha256
+from realitygap.studies.gap.figures import draw_figures
+from realitygap.studies.plumbing.provenance import file_sha256
 from tests.helpers import COMMAND, ENVIRONMENT, ROOT, realitygap
 from tests.models.small import driven_log, shared_data
 
@@ -286,22 +286,18 @@ def test_a_log_without_a_pose_in_the_middle_of_its_windows_has_a_gap(tmp_path, e
     hole = row % 2 == 1 if every == 2 else (row % 100 >= 45) & (row % 100 < 56)
     frame.loc[hole, ["x", "y", "yaw"]] = np.nan
     frame.to_csv(tmp_path / "log.csv", index=False)
-    model = read_model_file("create")
-    log = make_log(frame, drive=model.nominal_drive)
-    found = measure_gap(log, model, load_common("create", sensors="declared"), seed=0, name="x")
-    (tmp_path / "gap").mkdir()
-    write_gap(log, found, tmp_path / "gap", name="x")
+    found = rg.measure_gap(frame, model="create", out=tmp_path / "gap")
     assert (tmp_path / "gap" / "arena.png").exists()
-    longer = [gap for gap in found.motion if gap.horizon != "step"]
-    assert longer
-    for gap in longer:  # other rows inside the window say where it was
-        assert gap.table[["x", "y"]].notna().all(axis=None)
+    windows = found.tables["windows"]
+    longer = windows[windows["horizon"] != "step"]
+    assert len(longer)  # other rows inside the window say where it was
+    assert longer[["x", "y"]].notna().all(axis=None)
 
 
 def test_a_log_that_never_says_where_a_window_was_has_no_picture_of_the_arena(tmp_path):
     log = make_log(driven_log(3, rows=300), drive=Drive())
     model = read_model_file("create")
-    found = measure_gap(log, model, load_common("create", sensors="declared"), seed=0, name="x")
+    found = measure_gap(log, model, model.point_model(), seed=0, name="x")
     lost = [gap._replace(table=gap.table.assign(x=np.nan, y=np.nan)) for gap in found.motion]
     draw_figures(log, dataclasses.replace(found, motion=lost), tmp_path)
     assert (tmp_path / "maps.png").exists()
@@ -312,6 +308,6 @@ def test_a_robot_that_stays_in_the_middle_has_a_gap(tmp_path):
     still = {name: np.zeros(300) for name in ("x", "y", "yaw", "cmd_left", "cmd_right")}
     log = make_log(pd.DataFrame({"robot": 0, "t": 0.04 * np.arange(300), **still}), drive=Drive())
     model = read_model_file("create")
-    found = measure_gap(log, model, load_common("create", sensors="declared"), seed=0, name="x")
+    found = measure_gap(log, model, model.point_model(), seed=0, name="x")
     draw_figures(log, found, tmp_path)
     assert (tmp_path / "arena.png").exists()

@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import contextlib
+import multiprocessing
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
 import pytest
 
-from realitygap.studies.lifetime import Ended, listening, shielded, tied
+from realitygap.studies.plumbing.execution import processes
+from realitygap.studies.plumbing.lifetime import Ended, listening, shielded, tied
 from tests.helpers import COMMAND, ENVIRONMENT, LONG, ROOT, until, wait_until_gone
 
 PARENT = """
 import subprocess, sys
 from pathlib import Path
 from realitygap.studies.blind.record import diagnose
-from realitygap.studies.execution import Workers, completed
-from realitygap.studies.lifetime import tied
+from realitygap.studies.plumbing.execution import Workers, completed
+from realitygap.studies.plumbing.lifetime import tied
 from tests.studies.test_lifetime import FOREVER, say_and_wait
 what, here = sys.argv[1], Path(sys.argv[2])
 if what == "command":
@@ -56,6 +59,15 @@ def test_a_child_ends_with_its_killed_parent(what: str, tmp_path: Path) -> None:
     wait_until_gone(child)
 
 
+def test_a_killed_command_with_workers_says_nothing(tmp_path: Path) -> None:
+    words = [sys.executable, "-c", PARENT, "worker", str(tmp_path)]
+    parent = subprocess.Popen(words, cwd=ROOT, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True)
+    until((tmp_path / "pid").exists)
+    parent.kill()
+    _, said = parent.communicate(timeout=LONG)  # until all who could say something have ended
+    assert said == ""
+
+
 def test_a_tied_command_is_the_command() -> None:
     done = subprocess.run(
         tied((sys.executable, "-c", "import sys; print(sys.argv[1:]); sys.exit(3)", "a b", "é")),
@@ -81,8 +93,28 @@ def test_a_signal_is_told_once_what_must_not_be_half_done_is_done(number: signal
     assert ended.value.number == number
 
 
+def test_what_another_thread_does_keeps_no_signal_from_the_command() -> None:
+    inside, told = threading.Event(), threading.Event()
+
+    def keep() -> None:
+        with shielded():
+            inside.set()
+            told.wait(LONG)
+
+    other = threading.Thread(target=keep)
+    with listening():
+        other.start()
+        inside.wait(LONG)
+        try:
+            with pytest.raises(Ended):
+                signal.raise_signal(signal.SIGTERM)
+        finally:
+            told.set()
+            other.join()
+
+
 def test_a_signal_that_was_swallowed_is_told_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("realitygap.studies.lifetime.AGAIN", 0.01)
+    monkeypatch.setattr("realitygap.studies.plumbing.lifetime.AGAIN", 0.01)
     with listening(), pytest.raises(Ended):  # noqa: PT012 - where it is raised matters
         with contextlib.suppress(BaseException):
             signal.raise_signal(signal.SIGTERM)
@@ -171,3 +203,12 @@ def test_text_that_an_encoding_lacks_is_shown_by_its_number(tmp_path: Path) -> N
     assert done.returncode == 2
     assert "caf\\xe9" in done.stderr
     assert len(done.stderr.splitlines()) == 1
+
+
+def test_an_interrupt_of_a_worker_that_is_just_starting_changes_nothing() -> None:
+    with processes(1) as pool:
+        answer = pool.submit(abs, -3)
+        (worker,) = multiprocessing.active_children()
+        assert worker.pid is not None
+        os.kill(worker.pid, signal.SIGINT)
+        assert answer.result(timeout=60.0) == 3

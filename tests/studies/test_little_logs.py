@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import realitygap as rg
 from realitygap.models.modelfile import read_model_file
-from realitygap.studies.diagnosis_files import diagnose_files
-from realitygap.studies.diagnosis_request import Request
-from realitygap.studies.experiment import RunConfig, simulate
+from realitygap.studies.run.experiment import RunConfig, simulate
+from tests.helpers import realitygap
 
 
 def recorded(out: Path, *specs: str, robots: int, minutes: float, case: str = "no-light") -> Path:
@@ -32,7 +32,7 @@ def diagnosed(log: Path, out: Path) -> dict[str, Any]:
     def refuse(word: str) -> None:
         raise AssertionError(f"{word} in diagnosis.json")
 
-    diagnose_files(Request(logs=(log,)), out)
+    rg.diagnose(log, out=out)
     read_model_file(out / "extended.toml")
     content: dict[str, Any] = json.loads(
         (out / "diagnosis.json").read_text(encoding="utf-8"), parse_constant=refuse
@@ -55,6 +55,13 @@ def test_noise_in_seconds_of_a_log_is_told_in_numbers(tmp_path: Path) -> None:
     run = recorded(tmp_path / "run", "ir_noise:scale=4", robots=10, minutes=0.2)
     found = diagnosed(run, tmp_path / "out")
     assert [c["name"] for c in found["causes"]] == ["ir_noise"]
+
+
+@pytest.mark.parametrize("command", ["gap", "diagnose"])
+def test_of_seconds_of_a_log_no_library_says_a_word(command: str, tmp_path: Path) -> None:
+    run = recorded(tmp_path / "run", robots=3, minutes=0.05, case="light-at-nest")
+    done = realitygap(command, run, "--quiet", "--out", tmp_path / "out")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
 def resampled(log: pd.DataFrame, rate: float) -> pd.DataFrame:

@@ -15,14 +15,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from realitygap.embedded_sim.errors import InputError
-from realitygap.studies import manifest, provenance
-from realitygap.studies.execution import Finished, Workers
-from realitygap.studies.experiment import RunConfig, simulate
-from realitygap.studies.gain import catalogue
-from realitygap.studies.manifest import MANIFEST, Pieces, made
+from realitygap.studies.measure import gain as gains
 from realitygap.studies.paper.conditions import PAPER, plan, study_config
 from realitygap.studies.paper.directory import StudyDirectory
-from realitygap.studies.provenance import ROOMS, ROOT, sources_hash, versions
+from realitygap.studies.plumbing import manifest, provenance
+from realitygap.studies.plumbing.execution import Finished, Workers
+from realitygap.studies.plumbing.manifest import MANIFEST, Pieces, made
+from realitygap.studies.plumbing.provenance import ROOMS, ROOT, sources_hash, versions
+from realitygap.studies.run.experiment import RunConfig, simulate
 from tests.studies.small_study import TINY
 
 FILES = {"run.json": b"{}", "generations.parquet": b"generations", "deposits.parquet": b"deposits"}
@@ -324,16 +324,14 @@ def _measured(
 def test_a_catalogue_of_gains_is_resumed_group_by_group_and_never_mixed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(catalogue, "made", _measured)
-    monkeypatch.setattr(catalogue, "rows_of", lambda hidden, *found: [{"effect": hidden[0].name}])
+    monkeypatch.setattr(gains, "made", _measured)
+    monkeypatch.setattr(gains, "rows_of", lambda hidden, *found: [{"effect": hidden[0].name}])
     asked: dict[str, Any] = {"times": 2.0, "runs": 1, "minutes": 0.1, "seed": 1}
-    planned = catalogue.groups(("motor_lag", "lamp_moved"), **asked, draws=1)
+    planned = gains.groups(("motor_lag", "lamp_moved"), **asked, draws=1)
     out, said = tmp_path / "gains", list[str]()
 
     def run(seed: int = 1) -> list[str]:
-        table = catalogue.run_catalogue(
-            planned, {**asked, "seed": seed}, out, Workers(1), said.append
-        )
+        table = gains.run_catalogue(planned, {**asked, "seed": seed}, out, Workers(1), said.append)
         return list(table["effect"])
 
     assert run() == ["motor_lag", "lamp_moved"]
@@ -368,7 +366,7 @@ def test_a_study_is_resumed_with_the_very_same_model_and_tables_only(tmp_path: P
 
 
 def test_a_log_to_be_diagnosed_says_nothing_of_the_run_in_its_run_column(tmp_path: Path) -> None:
-    from realitygap.studies.experiment import ANONYMOUS
+    from realitygap.studies.run.experiment import ANONYMOUS
 
     config = RunConfig(minutes=0.02, robots=2, seed=987654321, controller="search")
     simulate(config, (), tmp_path, name=ANONYMOUS)

@@ -12,7 +12,7 @@ import pytest
 from realitygap.embedded_sim import PointModel
 from realitygap.embedded_sim.pilot import fly
 from realitygap.embedded_sim.probes import MENU
-from realitygap.studies.experiment import RunConfig, simulate
+from realitygap.studies.run.experiment import RunConfig, simulate
 from tests.helpers import realitygap
 
 

@@ -15,10 +15,10 @@ import pytest
 from typer.testing import CliRunner
 
 from realitygap.embedded_sim import InputError
-from realitygap.studies import renames
 from realitygap.studies.cli import app
-from realitygap.studies.output import claimed, whole_directory, whole_file
-from realitygap.studies.rooms import LOCK, clear_stale, scratch, take
+from realitygap.studies.plumbing import renames
+from realitygap.studies.plumbing.output import claimed, whole_directory, whole_file
+from realitygap.studies.plumbing.rooms import LOCK, clear_stale, scratch, take
 from tests.helpers import ENVIRONMENT, ROOT, realitygap
 
 COMMANDS = {
@@ -64,6 +64,19 @@ def test_every_command_is_refused_an_output_that_another_writes_to(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("command", COMMANDS)
+def test_no_command_replaces_a_file_that_it_has_not_written(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("out.csv").write_text("a thesis")
+    forced = () if command in ("study", "readings", "transfer", "blind") else ("--force",)
+    done = CliRunner().invoke(app, [*COMMANDS[command], "--out", "out.csv", *forced])
+    assert isinstance(done.exception, InputError)
+    assert done.exception.field == "--out"
+    assert tree(tmp_path) == {"out.csv": "a thesis"}
+
+
 def test_a_refusal_names_whoever_writes_in_one_line_and_exits_2(tmp_path: Path) -> None:
     with claimed(tmp_path / "out"):
         done = realitygap("run", "--minutes", "0.1", "--out", tmp_path / "out")
@@ -86,7 +99,7 @@ def test_links_to_one_place_are_one_place(tmp_path: Path) -> None:
 HOLD = """
 import sys, threading
 from pathlib import Path
-from realitygap.studies.output import whole_directory
+from realitygap.studies.plumbing.output import whole_directory
 with whole_directory(Path(sys.argv[1])) as part:
     (part / "half").write_text("half")
     print("holds", flush=True)
@@ -149,7 +162,7 @@ def write(out: Path, force: bool, meanwhile: Callable[[], object]) -> None:
             part.write_text("new")
             meanwhile()
     else:
-        with whole_directory(out, force=force) as part:
+        with whole_directory(out, force=force, holds=("run.json",)) as part:
             (part / "run.json").write_text("new")
             (part / "deep").mkdir()
             (part / "deep" / "er").write_text("new")
@@ -248,7 +261,7 @@ def test_everything_is_on_the_disk_before_its_name_and_the_name_before_the_end(
         source.rename(target)
 
     monkeypatch.setattr(os, "fsync", synced)
-    monkeypatch.setattr("realitygap.studies.output.place", placed)
+    monkeypatch.setattr("realitygap.studies.plumbing.output.place", placed)
     out = tmp_path / "parent" / "out"
     write(out, False, lambda: None)
     assert done[0] == tmp_path.name  # holds the name of the parent, which had to be made
@@ -312,7 +325,7 @@ def test_a_log_is_not_replaced_by_what_is_imported_from_it(tmp_path: Path) -> No
 
 SCRATCH = """
 import subprocess, sys, threading
-from realitygap.studies.rooms import scratch
+from realitygap.studies.plumbing.rooms import scratch
 with scratch() as room:
     (room / "log").write_text("big")
     print(room, flush=True)
@@ -343,7 +356,7 @@ def test_a_commands_temporary_files_are_in_one_room_that_goes_with_it(tmp_path: 
     done = subprocess.run(
         [
             *(sys.executable, "-c"),
-            "from realitygap.studies.rooms import command_room, scratch\n"
+            "from realitygap.studies.plumbing.rooms import command_room, scratch\n"
             "with scratch() as a, scratch() as b: assert a.parent == b.parent == command_room()\n"
             "assert not a.exists() and command_room().exists()\n"
             "(command_room() / 'forgotten').touch()\n",

@@ -10,11 +10,11 @@ import matplotlib as mpl
 import pandas as pd
 import pytest
 
+from realitygap.studies.pages.page import markdown
 from realitygap.studies.paper.claims import CLAIMS
 from realitygap.studies.paper.conditions import PAPER, STUDIED, StudyConfig
 from realitygap.studies.paper.mixture import mixture_table
 from realitygap.studies.paper.notes import LAMP, MUTATION, NOTES, POOLED
-from realitygap.studies.paper.page import markdown
 from realitygap.studies.paper.results import result_sections
 from realitygap.studies.paper.tables import StudyTables
 from realitygap.studies.paper.verdicts import weigh_claims

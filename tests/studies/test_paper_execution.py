@@ -16,10 +16,10 @@ import pytest
 from realitygap.embedded_sim.errors import InputError
 from realitygap.studies.blind.battery import run_battery
 from realitygap.studies.blind.trials import blind_config
-from realitygap.studies.execution import Workers, WorkersLost, completed
 from realitygap.studies.paper.conditions import PAPER, PlannedRun, StudyConfig, plan
 from realitygap.studies.paper.directory import StudyDirectory
 from realitygap.studies.paper.execution import RunsFailed, execute, run_files
+from realitygap.studies.plumbing.execution import Workers, WorkersLost, completed
 from tests.helpers import ENVIRONMENT, children, until, wait_until_gone
 from tests.studies.small_study import TINY, WORDS, results
 
@@ -276,6 +276,6 @@ def test_a_blind_battery_on_a_cluster_is_the_one_of_local_processes(
 def test_a_scheduler_that_does_not_answer_is_one_clear_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("realitygap.studies.execution.CONNECT_SECONDS", 0.5)
+    monkeypatch.setattr("realitygap.studies.plumbing.execution.CONNECT_SECONDS", 0.5)
     with pytest.raises(InputError, match="a Dask scheduler that answers"):
         _execute(tmp_path / "study", Workers(1, f"tcp://127.0.0.1:{_free_port()}"))

@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 
 from realitygap.embedded_sim.breeding import Fixed
-from realitygap.studies.experiment import RunConfig, simulate
 from realitygap.studies.paper.conditions import MIXTURE, PAPER, STUDIED, StudyConfig, plan
 from realitygap.studies.paper.mixture import evolved_table, mixture_table, mixture_text
 from realitygap.studies.paper.tables import StudyTables
+from realitygap.studies.run.experiment import RunConfig, simulate
 
 RUNS = np.arange(10.0)
 

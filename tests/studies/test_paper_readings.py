@@ -9,7 +9,6 @@ import pandas as pd
 import pytest
 
 from realitygap.embedded_sim.reading import reading
-from realitygap.studies.execution import Workers
 from realitygap.studies.paper.claims import CLAIMS
 from realitygap.studies.paper.conditions import PAPER, StudyConfig, plan
 from realitygap.studies.paper.readings import (
@@ -22,6 +21,7 @@ from realitygap.studies.paper.readings import (
 )
 from realitygap.studies.paper.statistics import Evidence
 from realitygap.studies.paper.study import run_study
+from realitygap.studies.plumbing.execution import Workers
 
 
 def test_every_standard_deviation_meets_every_rule_and_every_lamp_is_there() -> None:

@@ -10,9 +10,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from realitygap.studies.execution import Workers
 from realitygap.studies.paper.conditions import STUDIED, plan
 from realitygap.studies.paper.study import run_study
+from realitygap.studies.plumbing.execution import Workers
 from tests.studies.small_study import TINY, results
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")

@@ -2,7 +2,7 @@ import pytest
 
 from realitygap.studies.paper.conditions import PAPER, plan
 from realitygap.studies.paper.tally import Tally
-from realitygap.studies.progress import Progress, Stages
+from realitygap.studies.plumbing.progress import Progress, Stages
 from tests.studies.small_study import TINY
 
 
@@ -22,7 +22,7 @@ def test_without_a_terminal_progress_is_a_line_now_and_then(
 ) -> None:
     watch(quiet=False)
     seldom = capsys.readouterr().err.splitlines()
-    monkeypatch.setattr("realitygap.studies.progress.LINE_SECONDS", 0.0)
+    monkeypatch.setattr("realitygap.studies.plumbing.progress.LINE_SECONDS", 0.0)
     watch(quiet=False)
     said = capsys.readouterr()
     assert said.out == ""
@@ -37,7 +37,7 @@ def test_without_a_terminal_progress_is_a_line_now_and_then(
 def test_quiet_progress_says_nothing(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("realitygap.studies.progress.LINE_SECONDS", 0.0)
+    monkeypatch.setattr("realitygap.studies.plumbing.progress.LINE_SECONDS", 0.0)
     watch(quiet=True)
     said = capsys.readouterr()
     assert said.out + said.err == ""

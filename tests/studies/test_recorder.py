@@ -12,9 +12,9 @@ import pytest
 
 from realitygap.embedded_sim.genome import PAPER
 from realitygap.reality import constants as k
-from realitygap.studies.experiment import _forage
-from realitygap.studies.output import whole_directory
-from realitygap.studies.recorder import Recorder
+from realitygap.studies.plumbing.output import whole_directory
+from realitygap.studies.run.experiment import _forage
+from realitygap.studies.run.recorder import Recorder
 
 ROBOTS = 3
 
@@ -92,7 +92,11 @@ def test_what_fails_leaves_nothing_behind_and_what_was_there_as_it_was(tmp_path:
     out = tmp_path / "out"
     with whole_directory(out) as part:
         (part / "run.json").write_text("first")
-    with pytest.raises(RuntimeError), whole_directory(out, force=True) as part:  # noqa: PT012
+    holds = ("run.json",)
+    with (  # noqa: PT012
+        pytest.raises(RuntimeError),
+        whole_directory(out, force=True, holds=holds) as part,
+    ):
         (part / "run.json").write_text("second")
         raise RuntimeError
     assert [path.name for path in tmp_path.iterdir()] == ["out"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from math import cos, sin
 from pathlib import Path
 from typing import Any
@@ -25,11 +26,10 @@ from realitygap.models.modelfile import (
     ModelFile,
     Point,
     Robot,
-    find_model_file,
     read_model_file,
 )
 from realitygap.models.opened import json_values
-from realitygap.models.reference import Reference, Spread, read_reference, write_reference
+from realitygap.models.reference import Column, Reference, read_reference, write_reference
 from realitygap.models.schema import UNITS
 from realitygap.models.senses.cause import SenseCause
 from realitygap.models.senses.reference import INHERENT as SENSED
@@ -41,11 +41,11 @@ from realitygap.models.senses.reference import (
     write_sense_reference,
 )
 from realitygap.reality.effects import Hidden, catalogue, parse_effects
-from realitygap.studies.diagnosis_files import write_extended
-from realitygap.studies.experiment import RunConfig
 from realitygap.studies.gain.truth import hidden_in
-from realitygap.studies.provenance import write_json
-from realitygap.studies.typed import typed
+from realitygap.studies.inputs.model import Model
+from realitygap.studies.plumbing.provenance import write_json
+from realitygap.studies.plumbing.typed import typed
+from realitygap.studies.run.experiment import RunConfig
 
 often = settings(
     max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
@@ -129,18 +129,18 @@ def test_an_extended_model_is_read_back(tmp_path: Path, model: ModelFile, named:
     expected = model.model_copy(update={"extension": whole})
     if not possible(expected):
         with pytest.raises(InputError):
-            write_extended(model, tmp_path / "model.toml", named, tmp_path)
+            Model(model).extended(named)
         return
-    write_extended(model, tmp_path / "model.toml", named, tmp_path)
+    Model(model).extended(named).keep(tmp_path)
     assert read_model_file(tmp_path / "extended.toml") == expected
 
 
 @often
 @given(name=texts.filter(bool), named=extensions)
 def test_an_extended_model_keeps_its_sensors(tmp_path: Path, name: str, named: Extension) -> None:
-    source = find_model_file()
-    model = read_model_file(source).model_copy(update={"name": name})
-    write_extended(model, source, named, tmp_path)
+    model = Model.load()
+    called = replace(model, file=model.file.model_copy(update={"name": name}))
+    called.extended(named).keep(tmp_path)
     back = read_model_file(tmp_path / "extended.toml")
     assert back.sensors is not None
     assert (tmp_path / back.sensors.tables).is_file()
@@ -175,15 +175,15 @@ def test_a_map_is_read_back(tmp_path: Path, chosen: Map) -> None:
     assert read_map(path) == chosen
 
 
-def spreads(kind: type[Spread], size: int) -> st.SearchStrategy[Spread]:
+def spreads(size: int) -> st.SearchStrategy[Health]:
     number = st.lists(finite, min_size=size, max_size=size).map(tuple)
     fields = dict.fromkeys(("mean", "sd", "swarm_mean", "swarm_sd"), number)
-    more = {"gain": finite, "swarm_gain": finite} if kind is Health else {}
-    return st.builds(kind, **fields, farthest=finite, swarm_farthest=finite, **more)
+    more = {"gain": finite, "swarm_gain": finite}
+    return st.builds(Health, **fields, farthest=finite, swarm_farthest=finite, **more)
 
 
-def terms(kind: type[Spread]) -> st.SearchStrategy[dict[str, Spread]]:
-    known = {n: spreads(kind, len(c.parameters)) for n, c in every_cause().items()}
+def terms() -> st.SearchStrategy[dict[str, Health]]:
+    known = {n: spreads(len(c.parameters)) for n, c in every_cause().items()}
     return st.fixed_dictionaries({}, optional=dict(list(known.items())[:5]))
 
 
@@ -191,20 +191,29 @@ def inherent(size: int) -> st.SearchStrategy[tuple[float, ...]]:
     return st.lists(finite, min_size=size, max_size=size).map(tuple)
 
 
-@often
-@given(
-    reference=st.builds(
-        Reference,
-        model=texts,
-        wheel_radius=finite,
-        axle=finite,
-        robots=st.integers(0, 10**6),
-        swarms=st.integers(0, 10**6),
-        inherent=inherent(len(INHERENT.parameters)),
-        terms=terms(Spread),
-        command=commands,
+@st.composite
+def references(draw: st.DrawFn) -> Reference:
+    """Of motion, of any coefficients."""
+    column = st.builds(Column, mean=finite, sd=finite, swarm_sd=finite)
+    columns = draw(st.dictionaries(texts, column, max_size=5))
+    some = tuple(name for name in columns if draw(st.booleans()))
+    row = st.tuples(*[finite] * len(some))
+    return Reference(
+        model=draw(texts),
+        wheel_radius=draw(finite),
+        axle=draw(finite),
+        robots=draw(st.integers(0, 10**6)),
+        swarms=draw(st.integers(0, 10**6)),
+        inherent=draw(inherent(len(INHERENT.parameters))),
+        columns=columns,
+        causes=some,
+        correlation=draw(st.tuples(*[row] * len(some))),
+        command=draw(commands),
     )
-)
+
+
+@often
+@given(reference=references())
 def test_a_reference_is_read_back(tmp_path: Path, reference: Reference) -> None:
     write_reference(reference, tmp_path / "r.json")
     assert read_reference(tmp_path / "r.json") == reference
@@ -218,7 +227,7 @@ def test_a_reference_is_read_back(tmp_path: Path, reference: Reference) -> None:
         robots=st.integers(0, 10**6),
         swarms=st.integers(0, 10**6),
         inherent=st.fixed_dictionaries({}, optional=dict.fromkeys(SENSED, finite)),
-        terms=terms(Health),
+        terms=terms(),
         noise=st.builds(Level, mean=finite, sd=finite),
         command=commands,
     )

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from realitygap.studies.experiment import RunConfig
-from realitygap.studies.scaling import cost, line
+from realitygap.studies.measure.scaling import cost, line
+from realitygap.studies.run.experiment import RunConfig
 
 
 def test_a_line_tells_start_up_from_the_cost_of_each() -> None:

@@ -10,20 +10,20 @@ import pytest
 from realitygap.models.causes import Motion, causes
 from realitygap.models.diagnosis import Diagnosis, extension
 from realitygap.models.extension import NamedCause, ParameterValue
-from realitygap.models.identify.choice import Evidence
 from realitygap.models.identify.hypothesis import Term
-from realitygap.models.identify.swarm import Named, _given
 from realitygap.models.identify.value import Value
-from realitygap.models.modelfile import find_model_file, read_model_file
+from realitygap.models.modelfile import read_model_file
+from realitygap.models.naming.findings import Evidence, Named
+from realitygap.models.naming.identify import _given
 from realitygap.models.reference import shipped_reference
 from realitygap.reality import constants as k
 from realitygap.reality.effects import parse_effects
 from realitygap.studies.blind.scoring import Named as Told
 from realitygap.studies.blind.scoring import _inside
 from realitygap.studies.blind.trials import Hidden
-from realitygap.studies.diagnosis_files import write_extended
-from realitygap.studies.oracle import oracle
-from realitygap.studies.shares import HEALTHY_ACCELERATION, as_told
+from realitygap.studies.hidden.oracle import oracle
+from realitygap.studies.hidden.shares import HEALTHY_ACCELERATION, as_told
+from realitygap.studies.inputs.model import Model
 from tests.reality.hidden import drive, straight
 
 
@@ -102,15 +102,14 @@ def named(share: float) -> Named:
 def test_a_share_found_in_a_log_is_as_slow_on_board_and_slower_beside_health(
     tmp_path: Path,
 ) -> None:
-    source = find_model_file("epuck")
     found = extension(Diagnosis(named=(named(0.4),)), log_hash="", command="")
-    write_extended(read_model_file(source), source, found, tmp_path)
+    Model.load("epuck").extended(found).keep(tmp_path)
     loaded = read_model_file(tmp_path / "extended.toml")
     healthy = shipped_reference("e-puck")
     assert healthy is not None
     (limit, _) = healthy.motion(Motion()).drive.acceleration
     assert loaded.motion(1).drive.acceleration == pytest.approx((0.4 * limit,) * 2)
-    assert loaded.motion(0) == read_model_file(source).motion()
+    assert loaded.motion(0) == read_model_file("epuck").motion()
     # diagnosed once more, a healthy robot of that kind still is as slow
     assert healthy.motion(loaded.motion(1)).drive.acceleration[0] == pytest.approx(0.4 * limit)
 

@@ -1,3 +1,4 @@
+import dataclasses
 import os
 import shlex
 import subprocess
@@ -6,10 +7,12 @@ from pathlib import Path
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from realitygap.studies.diagnosis_request import Request
+from realitygap.studies.diagnosis.request import Request
 from realitygap.studies.gain.request import GainRequest
-from realitygap.studies.reference_files import ReferenceRequest
-from realitygap.studies.typed import typed
+from realitygap.studies.health.reference import ReferenceRequest
+from realitygap.studies.inputs.logs import sources
+from realitygap.studies.inputs.model import Model
+from realitygap.studies.plumbing.typed import typed
 
 names = st.binary(min_size=1, max_size=20).filter(lambda raw: b"\0" not in raw).map(os.fsdecode)
 
@@ -37,21 +40,28 @@ def test_a_path_that_begins_with_a_dash_is_no_option():
     assert typed("gap", Path("-a.csv")) == "gap ./-a.csv"
 
 
+def called(name):
+    """A model that was given by this name."""
+    return dataclasses.replace(Model.load(), given=name)
+
+
 def test_commands_kept_in_files_are_quoted():
-    odd = Path("two words;rm -rf $HOME\n.csv")
+    path, mine = Path("two words;rm -rf $HOME\n.csv"), called("my robot.toml")
+    odd = sources(path)
     requests = (
-        Request(logs=(odd,), model="my robot.toml", reference="a b.json", without=("x y",)),
-        GainRequest(logs=(odd,), extended="my robot.toml", healthy=(odd,)),
-        ReferenceRequest(logs=(odd,), model="my robot.toml"),
+        Request(logs=odd, model=mine, reference="a b.json", without=("x y",)),
+        GainRequest(logs=odd, extended=mine, healthy=odd),
+        ReferenceRequest(logs=odd, model=mine),
     )
     for request in requests:
         words = as_bash_takes(request.command)
-        assert str(odd) in words
+        assert str(path) in words
         assert "my robot.toml" in words
 
 
 def test_plain_commands_look_as_before():
-    request = Request(logs=(Path("out/a"),), model="create", seed=3, without=("motor_lag",))
+    logs = sources("out/a")
+    request = Request(logs=logs, model=called("create"), seed=3, without=("motor_lag",))
     expected = "realitygap diagnose out/a --model create --seed 3 --without motor_lag"
     assert request.command == expected
     assert shlex.split(request.command) == expected.split()

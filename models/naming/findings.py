@@ -1,0 +1,106 @@
+"""What was found in a log: causes with values and evidence, and what no cause accounts for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import log_ndtr
+
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.causes import Motion
+from realitygap.models.identify.fitted import Fitted, Key
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.value import Value
+
+Robots = tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Evidence:
+    """One cause, with what speaks for it."""
+
+    term: Term
+    coordinates: FloatArray
+    """(p,)."""
+    covariance: FloatArray
+    """(p, p)."""
+    gain: float
+    """Deviance that is lost without it, healthy differences integrated out."""
+    share: float
+    """Of the squared errors without it, what it takes off windows that it was not fitted to."""
+    distance: float
+    """Standard deviations from the healthy value."""
+    rivals: tuple[Term, ...] = ()
+    """Terms that could stand in its place."""
+    gains: tuple[tuple[str, float], ...] = ()
+    """What every term tried in its place would take off, best first."""
+
+    @property
+    def score(self) -> float:
+        """How far beyond health, as -log10 of what normal tails leave beyond the distance.
+
+        No probability: the best of many terms is told, and the tails of health are not normal.
+        """
+        return float(-(np.log(2.0) + log_ndtr(-self.distance)) / np.log(10.0))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Named:
+    """A cause, for whom, how large, why, and what else it could be."""
+
+    term: Term
+    robots: Robots
+    """Ids of the robots that have it."""
+    whole_swarm: bool
+    values: tuple[Value, ...]
+    given: tuple[Value, ...] = ()
+    """What they are told against, such as a healthy robot's acceleration."""
+    evidence: Evidence
+    twins: tuple[Term, ...]
+    """Causes that act exactly alike on what this log holds."""
+    exported: bool = True
+    """Whether the extended model holds it."""
+    why: str = ""
+    """Why not, where it does not."""
+
+    @property
+    def key(self) -> Key:
+        """Of its values in parts of the log."""
+        return self.evidence.term, self.robots
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Follows:
+    """A change of motion that follows a measured quantity and that no cause accounts for."""
+
+    channel: str
+    quantity: str
+    robots: Robots
+    whole_swarm: bool
+    distance: float
+    """Standard deviations from what healthy robots show."""
+    gain: float
+    """Deviance that it takes off its robots together."""
+    share: float
+    """Of their squared errors."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Identified:
+    """What was found in one log."""
+
+    named: tuple[Named, ...]
+    follows: tuple[Follows, ...]
+    base: tuple[Motion, ...]
+    """(robots,) healthy motion of each robot."""
+    explained: tuple[Motion, ...]
+    """(robots,) motion with every cause named."""
+    fits: tuple[Fitted, ...]
+    """That the names were taken from: what the swarm shares first, then robot by robot."""
+    away: dict[str, FloatArray]
+    """(robots,) by channel and quantity, distance from health of what follows it, beside the
+    causes."""
+    least: dict[str, FloatArray]
+    """(robots, p) by key of a term, coordinates from which on it would have been seen; of a limit
+    its value."""

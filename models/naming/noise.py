@@ -1,0 +1,177 @@
+"""The noise of pose windows, learned from the log itself: what every window has of its own.
+
+Rows have Student-t errors of a scale per robot and axis. Beside them each window has its own place
+and heading (free) and a little of speed, bend, turn rate, sideways motion, clock and lag of its
+own, with variances that are those of the log; windows that differ more than others count less.
+Variances and weights come by expectation-maximisation with every column free, so that what a cause
+explains is not taken for noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.tracks import Tracks
+from realitygap.models.naming.columns import FREE, Columns
+
+ROUNDS = 6
+"""Of expectation-maximisation; our choice. Variances of windows that have something of their own
+are then within a few per cent; where they have nothing they still fall, far below the rows'
+noise."""
+RIDGE = 10.0
+"""Information that every column is taken to have beforehand, columns scaled to rms 1 noise: as good
+as none, and enough where a column is empty."""
+ROW_NU = 5.0
+"""Degrees of freedom of rows: one to four per cent of a real tracker's poses are wild."""
+WINDOW_NU = 3.0
+"""Degrees of freedom of windows, whose differences have longer tails: a push, a bump."""
+BEGIN = 0.3
+"""rms noise: window effects begin there. Our choice, above what any log at hand ends at."""
+WIDE = 1e8
+"""Variance, of columns scaled to rms 1 noise, that is as good as none at all."""
+LEAST_SCALE = 0.3
+"""Of the tracker's noise, least that rows' errors are taken to have."""
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Of the windows of one robot."""
+
+    weight: FloatArray
+    """(n, 3) of rows, their scale included."""
+    window: FloatArray
+    """(windows,) weights."""
+    spread: FloatArray
+    """(q,) standard deviation of the window effects, in units of their columns."""
+
+
+class Padded:
+    """Rows of windows side by side: (windows, longest * 3, ...)."""
+
+    def __init__(self, tracks: Tracks) -> None:
+        self._window = tracks.window
+        length = np.diff(np.append(tracks.first, len(tracks.rows)))
+        self._longest = int(length.max(initial=1))
+        self._at = np.arange(len(tracks.rows)) - tracks.first[self._window]
+        self._windows = len(tracks.first)
+
+    def __call__(self, rows: FloatArray) -> FloatArray:
+        """Of (n, 3, ...) rows; 0 beyond a window's end."""
+        wide = np.zeros((self._windows, self._longest, *rows.shape[1:]))
+        wide[self._window, self._at] = rows
+        return wide.reshape(self._windows, self._longest * 3, *rows.shape[2:])
+
+    def back(self, wide: FloatArray) -> FloatArray:
+        """(n, 3) rows of padded ones."""
+        shaped = wide.reshape(self._windows, self._longest, 3)
+        return np.asarray(shaped[self._window, self._at])
+
+
+class Whitener:
+    """Turns rows into independent ones of unit variance, window by window."""
+
+    def __init__(self, tracks: Tracks, windows: FloatArray, noise: Noise) -> None:
+        self._padded = Padded(tracks)
+        self._root = np.sqrt(self._padded(noise.weight))
+        z = self._padded(windows) * noise.spread * self._root[:, :, None]
+        z[:, :, FREE:] /= np.sqrt(noise.window)[:, None, None]
+        size, turn = np.linalg.eigh(np.swapaxes(z, 1, 2) @ z)
+        size = np.maximum(size, 0.0)
+        some = size > 1e-8
+        shrink = np.where(some, (1.0 - 1.0 / np.sqrt(1.0 + size)) / np.where(some, size, 1.0), 0.5)
+        self._seen = z @ turn
+        self._shrunk = self._seen * shrink[:, None, :]
+
+    def __call__(self, rows: FloatArray) -> FloatArray:
+        """(rows, k) white ones of (n, 3, k)."""
+        wide = self._padded(rows) * self._root[:, :, None]
+        white = wide - self._shrunk @ (np.swapaxes(self._seen, 1, 2) @ wide)
+        return np.asarray(white.reshape(-1, rows.shape[2]))
+
+
+class _Expected(NamedTuple):
+    """Of one robot, given what is believed of the noise."""
+
+    square: FloatArray
+    """(windows, q) of the window effects, in units of rms 1."""
+    rows: FloatArray
+    """(n, 3) squared errors of the rows."""
+
+
+class _Robot:
+    """One robot's windows, padded once."""
+
+    def __init__(self, tracks: Tracks, made: Columns, size: FloatArray, unit: FloatArray) -> None:
+        self.padded = Padded(tracks)
+        self.y = self.padded(made.errors)
+        self.x = self.padded(made.values[:, :, made.linear] / unit)
+        self.z = self.padded(made.windows / size)
+        self.weight = np.ones_like(made.errors)
+        self.window = np.ones(len(tracks.first))
+
+    def expected(self, spread: FloatArray) -> _Expected:
+        root = np.sqrt(self.padded(self.weight))
+        prior = np.broadcast_to(spread, (len(self.window), len(spread))).copy()
+        prior[:, FREE:] /= np.sqrt(self.window)[:, None]
+        z = self.z * root[:, :, None] * prior[:, None, :]
+        turned = np.swapaxes(z, 1, 2)
+        inner = np.linalg.inv(np.eye(len(spread)) + turned @ z)
+        both = np.concatenate([self.x, self.y[:, :, None]], axis=2) * root[:, :, None]
+        seen = turned @ both
+        flat = both.reshape(-1, both.shape[2])
+        bent = seen.reshape(-1, seen.shape[2])
+        found = flat.T @ flat - bent.T @ (inner @ seen).reshape(bent.shape)
+        k = self.x.shape[2]
+        beta = np.linalg.solve(found[:k, :k] + RIDGE * np.eye(k), found[:k, k])
+        left = self.y - self.x @ beta
+        own = inner @ (turned @ (left * root)[:, :, None])
+        effect = prior * own[:, :, 0]
+        square = effect**2 + np.einsum("wqq->wq", inner) * prior**2
+        raw = self.z * prior[:, None, :]
+        rest = left - (raw @ own)[:, :, 0]
+        unsure = ((raw @ inner) * raw).sum(axis=2)
+        return _Expected(square, self.padded.back(rest) ** 2 + self.padded.back(unsure))
+
+
+def learn(tracks: Sequence[Tracks], made: Sequence[Columns]) -> list[Noise]:
+    """The noise of some robots' windows, with one set of variances for all.
+
+    Args:
+        tracks: Of one robot each.
+        made: Their columns.
+    """
+    rows = sum(len(one.errors) for one in made)
+    size = np.sqrt(sum((one.windows**2).sum(axis=(0, 1)) for one in made) / (3 * rows)) + 1e-12
+    linear = [one.values[:, :, one.linear] for one in made]
+    unit = np.sqrt(sum((one**2).sum(axis=(0, 1)) for one in linear) / (3 * rows))
+    unit = np.where(unit > 0.0, unit, 1.0)
+    robots = [_Robot(t, m, size, unit) for t, m in zip(tracks, made, strict=True)]
+    spread = np.full(len(size), BEGIN)
+    spread[:FREE] = np.sqrt(WIDE)
+    for _ in range(ROUNDS):
+        total, count = np.zeros(len(size) - FREE), 0
+        for one in robots:
+            found = one.expected(spread)
+            square = found.square[:, FREE:]
+            many = square.shape[1]
+            far = (square / spread[FREE:] ** 2).sum(axis=1)
+            one.window = (WINDOW_NU + many) / (WINDOW_NU + far)
+            total += (one.window[:, None] * square).sum(axis=0)
+            count += len(square)
+            one.weight = _weights(found.rows)
+        spread[FREE:] = np.sqrt(total / count) + 1e-6
+    return [Noise(one.weight, one.window, spread / size) for one in robots]
+
+
+def _weights(square: FloatArray) -> FloatArray:
+    """(n, 3) weights of rows with Student-t errors of one scale per axis, squares (n, 3)."""
+    scale = np.maximum(np.median(square, axis=0) / 0.455, LEAST_SCALE**2)
+    for _ in range(4):
+        t = (ROW_NU + 1.0) / (ROW_NU + square / scale)
+        scale = np.maximum((t * square).mean(axis=0), LEAST_SCALE**2)
+    return np.asarray((ROW_NU + 1.0) / (ROW_NU + square / scale) / scale)

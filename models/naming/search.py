@@ -1,0 +1,226 @@
+"""Forward selection of what is the matter: the item that health is least able to explain, again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.naming.columns import Item, Mask
+from realitygap.models.naming.marginal import EMPTY, Score, freed
+from realitygap.models.naming.state import (
+    SWARM,
+    Fitter,
+    Kept,
+    Refined,
+    State,
+    Weighed,
+    with_kept,
+)
+from realitygap.models.reference import Gates
+
+MOST = 4
+"""Items kept in one scope; more are not told apart in two minutes."""
+LEAST_SWARM = 3
+"""Robots that make a swarm: of two, neither says which one differs."""
+DEVIANTS = 0.2
+"""Most of the robots that a shared item may leave worse off."""
+CONTENDERS = 5
+"""Causes fitted in earnest for one place."""
+WORTH = 0.3
+"""Of the largest linear gain that a contender must promise."""
+DOSE = 0.3
+"""Least multiple of a whole dose: a small share of one is no such cause."""
+PRICE = 4.0
+"""Deviance that each further parameter must take off: twice what one without a meaning does."""
+BETTER = 12.0
+"""Deviance by which something plain must do better than a cause to stand in its place."""
+ALMOST = 0.06
+"""Of a cause's gain by which the same: no model of a cause is exact,"""
+ROUGH = 0.1
+"""and those of transients are rough."""
+LEFT = 0.25
+"""Of a cause's gain, most that it may still take off beside the plain."""
+
+
+class Offer(NamedTuple):
+    """One linear step's promise."""
+
+    gain: float
+    item: Item
+    step: FloatArray
+
+
+def offers(score: Score, items: Sequence[Item], known: Mask) -> list[Offer]:
+    """What every item promises, best first."""
+    found = []
+    for item in items:
+        at = list(item.columns)
+        if not known[at].all():
+            continue
+        own, pull = score.information[np.ix_(at, at)], score.slope[at]
+        if (np.diag(own) < EMPTY).any():
+            continue
+        try:
+            step = np.linalg.solve(own, pull)
+        except np.linalg.LinAlgError:
+            continue
+        gain = float(step @ pull)
+        if item.dose is not None and step[0] < DOSE:
+            continue
+        if item.term is not None:
+            if item.dose is not None and not item.term.cause.smooth:
+                gain = float(2.0 * pull[0] - own[0, 0])  # a threshold has no half doses
+            elif item.dose is None:
+                sign = np.array([p.sign for p in item.term.cause.parameters])
+                if (sign * step < 0.0).any():
+                    continue
+        found.append(Offer(gain - PRICE * (len(at) - 1), item, np.asarray(step)))
+    return sorted(found, key=lambda one: -one.gain)
+
+
+def search(state: State, gates: Gates, known: Mask) -> State:
+    """Everything that is the matter."""
+    refused: set[tuple[int, str]] = set()
+    for _ in range(40):
+        weighed = Weighed(state)
+        best = _scope(weighed, gates, known, refused)
+        if best is None:
+            return state
+        scope, listed = best
+        found = _chosen(weighed, scope, listed, gates)
+        if found is None:
+            refused.add((scope, listed[0].item.key))
+            continue
+        state = with_kept(state, scope, found)
+    return state
+
+
+def _scope(
+    weighed: Weighed, gates: Gates, known: Mask, refused: set[tuple[int, str]]
+) -> tuple[int, list[Offer]] | None:
+    """Where the most conspicuous thing is, and what it may be."""
+    state = weighed.state
+    count = len(state.robots)
+    best: tuple[int, list[Offer]] | None = None
+    for scope in ([SWARM] if count >= LEAST_SWARM else []) + list(range(count)):
+        if len(state.of(scope)) >= MOST:
+            continue
+        taken = {_name(one.item) for one in state.of(scope)}
+        listed = [
+            one
+            for one in offers(weighed.score(scope), state.items, known)
+            if one.gain > (gates.flexible if one.item.term is None else gates.cause)
+            and _name(one.item) not in taken
+            and (scope, one.item.key) not in refused
+            and (scope != SWARM or _common(weighed, one))
+        ]
+        if listed and (best is None or listed[0].gain > best[1][0].gain):
+            best = scope, listed
+    return best
+
+
+def _name(item: Item) -> str:
+    return item.key if item.term is None else item.term.cause.name
+
+
+def _common(weighed: Weighed, one: Offer) -> bool:
+    """Whether nearly every robot is better off with a shared item."""
+    at = list(one.item.columns)
+    gains = []
+    for score in weighed.alone:
+        own = score.information[np.ix_(at, at)]
+        gains.append(2.0 * one.step @ score.slope[at] - one.step @ own @ one.step)
+    return float(np.mean(np.array(gains) > 0.0)) >= 1.0 - DEVIANTS
+
+
+def _chosen(weighed: Weighed, scope: int, listed: list[Offer], gates: Gates) -> list[Kept] | None:
+    """What is kept in a scope with the best of what is offered; None: nothing stands."""
+    state = weighed.state
+    before = state.of(scope)
+    fitter = Fitter(weighed, scope)
+    terms = [one.item.term for one in before if one.item.term is not None]
+    start = [one.coordinates for one in before if one.item.term is not None]
+    now = fitter.square(terms, start)
+    tried = []
+    for offer in contenders(listed):
+        fit = fitted_with(fitter, terms, start, offer)
+        if fit is None:
+            continue
+        gain = now - fit.square - PRICE * (len(offer.step) - 1)
+        tried.append((gain, offer, fit))
+    plains = [one for one in listed if one.item.term is None]
+    tried.sort(key=lambda one: -one[0])
+    if tried and tried[0][0] > gates.cause:
+        gain, offer, fit = tried[0]
+        better = _replacing(weighed.score(scope), offer, gain, plains)
+        if better is not None:
+            return [*before, Kept(better, np.zeros(0))]
+        rest = iter(fit.coordinates)
+        kept = [
+            one if one.item.term is None else one._replace(coordinates=next(rest)) for one in before
+        ]
+        linear = next(i for i in state.items if i.term == offer.item.term)
+        return [*kept, Kept(linear if linear.dose is None else offer.item, next(rest))]
+    return [*before, Kept(plains[0].item, np.zeros(0))] if plains else None
+
+
+def contenders(listed: Sequence[Offer], most: float = 0.0) -> list[Offer]:
+    """The causes worth a fit, each from where it promises most.
+
+    Args:
+        listed: Best first.
+        most: Gain that they are measured by; 0: the best of theirs.
+    """
+    seen: dict[Term, Offer] = {}
+    most = most or max((one.gain for one in listed if one.item.term is not None), default=0.0)
+    for one in listed:
+        term = one.item.term
+        if term is not None and term not in seen and one.gain >= WORTH * most:
+            seen[term] = one
+    return list(seen.values())[:CONTENDERS]
+
+
+def fitted_with(
+    fitter: Fitter, terms: Sequence[Term], start: Sequence[FloatArray], offer: Offer
+) -> Refined | None:
+    """Causes with one more, fitted; None where it ends on the wrong side of its null."""
+    term = offer.item.of
+    fit = fitter.fit([*terms, term], [*start, _begin(offer)])
+    if fit is None or _wrong_sign(term, fit.coordinates[-1]):
+        return None
+    return fit
+
+
+def _begin(offer: Offer) -> FloatArray:
+    if offer.item.dose is not None:
+        return np.array(offer.item.dose)
+    low, high = np.array([p.bounds for p in offer.item.of.cause.parameters]).T
+    return np.asarray(np.clip(offer.step, low, high))
+
+
+def _wrong_sign(term: Term, coordinates: FloatArray) -> bool:
+    return bool((np.array([p.sign for p in term.cause.parameters]) * coordinates < 0.0).any())
+
+
+def _replacing(score: Score, offer: Offer, gain: float, plains: Sequence[Offer]) -> Item | None:
+    """What follows a quantity, does better than a cause and leaves it little; None: nothing.
+
+    What follows a quantity also has a mean, which a cause would take for its own: its channel's
+    steady change is given beside.
+    """
+    rough = ROUGH if offer.item.of.cause.feigns else ALMOST
+    best, most = None, gain + max(BETTER, rough * gain)
+    at = list(offer.item.columns)
+    for one in plains:
+        item = one.item._replace(columns=(*one.item.columns, one.item.always))
+        rest = freed(score, np.array(item.columns))
+        told = score.square - rest.square - PRICE * (len(item.columns) - 1)
+        own, pull = rest.information[np.ix_(at, at)], rest.slope[at]
+        left = float(pull @ np.linalg.lstsq(own, pull, rcond=None)[0])
+        if told > most and left < LEFT * gain:
+            best, most = item, told
+    return best

@@ -1,0 +1,177 @@
+"""`realitygap measure`: what the documents say of this program, measured again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from realitygap.studies.cli import app
+from realitygap.studies.cli.options import (
+    MOST_RUNS,
+    Engine,
+    Force,
+    Jobs,
+    Minutes,
+    Out,
+    Quiet,
+    Seed,
+    StudyOut,
+    within,
+)
+from realitygap.studies.cli.resume import resumable
+from realitygap.studies.cli.say import say
+
+measure = typer.Typer(
+    name="measure",
+    help="What this program's own documents say of it, measured again.",
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+)
+app.add_typer(measure)
+
+
+@measure.command(epilog="Example: realitygap measure bench --out out/bench.json")
+def bench(
+    out: Out,
+    minutes: Minutes = 5.0,
+    engine: Engine = "pybullet",
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Time reality, bare physics and the embedded simulator in one process."""
+    from realitygap.studies.measure.bench import bench
+    from realitygap.studies.plumbing.progress import Progress
+
+    with Progress("bench", 1.0, quiet) as shown:
+        found = bench(out, minutes=minutes, engine=engine, force=force, reach=shown.reach)
+    if not quiet:
+        for name, value in found.items():
+            if isinstance(value, float):
+                say(f"{name}: {value:.4g}")
+        say(f"the time of {found['robots']} robots co-evolving for {minutes:g} min goes to")
+        for part, share in found["shares"].items():
+            say(f"  {part}: {100.0 * share:.1f} %")
+
+
+@measure.command(epilog="Example: realitygap measure scaling --out out/scaling")
+def scaling(out: Out, minutes: Minutes = 1.0, force: Force = False, quiet: Quiet = False) -> None:
+    """How a run's cost grows with robots (runs of --minutes) and with minutes, with a figure."""
+    from realitygap.studies.measure.scaling import scaling
+    from realitygap.studies.plumbing.progress import Progress
+
+    with Progress("runs", 1.0, quiet) as shown:
+        table = scaling(out, minutes=minutes, force=force, reach=shown.reach)
+    if not quiet:
+        typer.echo(table.to_string(index=False))
+
+
+@measure.command(epilog="Example: realitygap measure convergence")
+def convergence() -> None:
+    """Print whether the physics is converged: its settings against finer ones (Markdown)."""
+    from realitygap.studies.measure.convergence import convergence
+
+    typer.echo(convergence(), nl=False)
+
+
+@measure.command(epilog="Example: realitygap measure inherent-gap --out out/inherent-gap")
+def inherent_gap(
+    out: Out,
+    seeds: Annotated[int, typer.Option(callback=within(2, MOST_RUNS), help="Runs.")] = 24,
+    minutes: Minutes = 2.0,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """What the world does that the point model does not, with nothing hidden: tables, a figure."""
+    from realitygap.studies.measure.inherent_gap import inherent_gap
+    from realitygap.studies.plumbing.progress import Progress
+
+    with Progress("runs", 1.0, quiet) as shown:
+        inherent_gap(out, seeds=seeds, minutes=minutes, force=force, reach=shown.reach)
+    shown.say(f"{out / 'inherent-gap.json'}: written")
+
+
+@measure.command(epilog="Example: realitygap measure ambiguous --trials 6 --out out/ambiguous.csv")
+def ambiguous(
+    out: Out,
+    trials: Annotated[int, typer.Option(callback=within(1, MOST_RUNS), help="Of each pair.")] = 6,
+    seed: Seed = 1,
+    only: Annotated[
+        list[str] | None, typer.Option(help="Pair of causes, repeatable; all if absent.")
+    ] = None,
+    jobs: Jobs = None,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Whether the proposed manoeuvre settles what a log left open (docs/next-experiment.md)."""
+    from realitygap.studies.measure.ambiguous import ambiguous
+
+    table = ambiguous(
+        out,
+        trials=trials,
+        seed=seed,
+        only=only or (),
+        jobs=jobs,
+        force=force,
+        say=(lambda line: None) if quiet else say,
+    )
+    if not quiet:
+        counted = table[table["ambiguous"]].groupby("pair")["right"].agg(["sum", "count"])
+        typer.echo(counted.to_string())
+
+
+@measure.command(epilog="Example: realitygap measure healthy-scores out/healthy/* --out scores.png")
+def healthy_scores(
+    log: Annotated[list[Path], typer.Argument(help="Runs of healthy e-pucks, equally many each.")],
+    out: Out,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """How scores are distributed in healthy logs: a figure, and shares beyond some distances."""
+    from realitygap.studies.measure.healthy_scores import healthy_scores
+
+    lines = healthy_scores(log, out, force=force)
+    if not quiet:
+        for line in lines:
+            say(line)
+
+
+@measure.command(epilog="Example: realitygap measure gain --runs 2 --minutes 1 --out out/gains")
+def gain(
+    out: StudyOut,
+    times: Annotated[float, typer.Option(help="Sizes in bars of the blind battery.")] = 2.0,
+    runs: Annotated[
+        int, typer.Option(callback=within(1, MOST_RUNS), help="Held-out runs of each reality.")
+    ] = 6,
+    minutes: Minutes = 2.0,
+    draws: Annotated[
+        int, typer.Option(callback=within(1, MOST_RUNS), help="Times every effect is drawn.")
+    ] = 1,
+    seed: Seed = 0,
+    jobs: Jobs = None,
+    only: Annotated[
+        list[str] | None, typer.Option(help="Effect, repeatable; all that have a term if absent.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Hide every effect, name it from one log, extend the model, measure on held-out runs.
+
+    Writes catalogue.csv and catalogue.md; resumes like `study paper`.
+    """
+    from realitygap.studies.measure.gain_table import measure_gains
+
+    with resumable():
+        table = measure_gains(
+            out,
+            times=times,
+            runs=runs,
+            minutes=minutes,
+            draws=draws,
+            seed=seed,
+            jobs=jobs,
+            only=only or (),
+            say=(lambda line: None) if quiet else say,
+        )
+    if not quiet:
+        typer.echo(table)

@@ -1,0 +1,147 @@
+"""Diagnosis: measured logs in; verdict, causes and the extended model out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from pathlib import Path
+
+from realitygap.embedded_sim.errors import InputError, nearest
+from realitygap.models.catalogue import every_cause
+from realitygap.models.causes.withheld import without as withholding
+from realitygap.models.diagnosis import as_json, extension
+from realitygap.models.identify.diagnose import diagnose as diagnose_motion
+from realitygap.models.modelfile import ModelFile
+from realitygap.models.proposal.propose import with_proposal
+from realitygap.models.reference import Reference, read_reference, shipped_reference
+from realitygap.models.repertoire import manoeuvres
+from realitygap.models.senses.joined import WholeExamination, with_senses
+from realitygap.models.senses.reference import (
+    SenseReference,
+    beside,
+    read_sense_reference,
+    shipped_sense_reference,
+)
+from realitygap.studies.diagnosis.next_experiment import commands
+from realitygap.studies.diagnosis.request import Request
+from realitygap.studies.diagnosis.result import FILE, DiagnosisResult
+from realitygap.studies.inputs.logs import AnyLog, Log, as_log, log_hash
+from realitygap.studies.inputs.model import AnyModel, Model
+from realitygap.studies.plumbing.output import whole_directory
+from realitygap.studies.plumbing.progress import unseen
+from realitygap.studies.plumbing.provenance import file_read, versions
+
+NO_REFERENCE = "none"
+
+
+def diagnose(
+    log: AnyLog,
+    *,
+    model: AnyModel = None,
+    reference: Path | str | None = None,
+    without: Sequence[str] = (),
+    seed: int = 0,
+    out: Path | str | None = None,
+    force: bool = False,
+    begin: Callable[[str], None] = unseen,
+) -> DiagnosisResult:
+    """Name the cause: which physical fault, of which robots, how large, and how sure.
+
+    Args:
+        log: A measured log or several, as `read_log` takes them.
+        model: What the robots' simulators believe; that of the log, or the e-puck, if absent.
+        reference: Healthy reference (JSON), or "none"; the shipped one of the model if absent.
+        without: Causes of the catalogue to do without, as if unknown.
+        seed: Of the resampling.
+        out: Directory to write everything into as well, as `write` does; claimed before any work.
+        force: Replace a diagnosis that is there.
+        begin: Called with the name of each stage.
+
+    Raises:
+        InputError: a log, model, reference or name of a cause cannot be used, or `out` cannot.
+        Diverged: a replay left the finite numbers.
+    """
+    holds = (FILE,)
+    place = nullcontext() if out is None else whole_directory(Path(out), force=force, holds=holds)
+    with place as part:
+        for name in without:
+            if name not in every_cause():
+                raise InputError("--without", repr(name), nearest(name, every_cause()))
+        if not (isinstance(log, Log) and model is None):
+            model = Model.load(model)  # refused before the log is read
+        begin("reading the log")
+        read = as_log(log, model)
+        request = Request(
+            logs=read.sources,
+            model=read.model,
+            reference=None if reference is None else str(reference),
+            seed=seed,
+            without=tuple(without),
+        )
+        found = _result(request, read, _examined(request, read, begin))
+        if part is not None:
+            begin("writing the report")
+            found.keep(part)
+    return found
+
+
+def _examined(request: Request, log: Log, begin: Callable[[str], None]) -> WholeExamination:
+    """All that is said about a log."""
+    model, measured, seed = log.model, log.measured, request.seed
+    scripted = manoeuvres(measured)
+    healthy = _reference(request.reference, model.file, scripted)
+    senses = _sense_reference(request.reference, model.file, scripted)
+    with withholding(request.without):
+        begin("motion")
+        motion = diagnose_motion(measured, model.file, healthy, seed=seed, name=model.label)
+        begin("senses")
+        examined = with_senses(motion, measured, model.tables, senses, seed=seed)
+        begin("the next experiment")
+        return with_proposal(examined, model.tables)
+
+
+def _result(request: Request, log: Log, examined: WholeExamination) -> DiagnosisResult:
+    """What is told of it."""
+    found = examined.diagnosis
+    content = as_json(found) | {"inputs": _inputs(request), "versions": versions()}
+    following: tuple[str, ...] = ()
+    if found.proposal is not None:
+        following = commands(found.proposal, request, log.measured)
+        content["next_experiment"]["commands"] = list(following)
+    named = extension(found, log_hash=log_hash(request.logs), command=request.command)
+    return DiagnosisResult(
+        content=content,
+        extended=request.model.extended(named),
+        command=request.command,
+        next_commands=following,
+        examined=examined,
+    )
+
+
+def _inputs(request: Request) -> list[dict[str, str]]:
+    """The files that a diagnosis is a function of."""
+    read = [*(log.entry("LOG") for log in request.logs), *request.model.entries()]
+    if request.reference is not None and request.reference != NO_REFERENCE:
+        given = Path(request.reference)
+        halves = (given, beside(given))
+        read += [file_read("--reference", half) for half in halves if half.is_file()]
+    return read
+
+
+def _reference(given: str | None, model: ModelFile, scripted: bool) -> Reference | None:
+    """The healthy reference asked for, or the shipped one of the model."""
+    if given == NO_REFERENCE:
+        return None
+    if given is not None:
+        return read_reference(Path(given))
+    return shipped_reference(model.name, manoeuvres=scripted)
+
+
+def _sense_reference(given: str | None, model: ModelFile, scripted: bool) -> SenseReference | None:
+    """The senses' reference beside the one asked for, or the shipped one of the model."""
+    if given == NO_REFERENCE:
+        return None
+    if given is None:
+        return shipped_sense_reference(model.name, manoeuvres=scripted)
+    path = beside(Path(given))
+    return read_sense_reference(path) if path.is_file() else None

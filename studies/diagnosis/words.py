@@ -1,0 +1,142 @@
+"""A diagnosis in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from realitygap.models.catalogue import every_cause
+from realitygap.models.causes import causes
+from realitygap.models.diagnosis import (
+    Detectable,
+    Diagnosis,
+    Gain,
+    Unexplained,
+    alternatives,
+    robots_of,
+)
+from realitygap.models.identify.detectable import CORE
+from realitygap.models.identify.value import Value
+from realitygap.models.naming.findings import Named
+
+VERDICTS = {
+    "nothing_wrong": "Nothing wrong: no robot differs from health by more than healthy robots do.",
+    "cannot_tell": "The log cannot tell whether anything is wrong",
+    "named": "Named",
+    "ambiguous": "The log cannot decide",
+    "unexplained": "Something is wrong that no known cause explains",
+}
+SEEN = "Something is wrong that no known cause accounts for well enough to predict by"
+"""Where nothing but causes that are not exported was found."""
+NO_REFERENCE = "There was no healthy reference: whatever this kind of robot does counts as a fault."
+UNKNOWN_HEALTH = (
+    "Nothing wrong by the model alone: no robot differs from what it predicts. How healthy robots "
+    "differ from it is not known."
+)
+
+
+def verdict_sentence(found: Diagnosis) -> str:
+    """The verdict as one or a few sentences."""
+    if found.verdict == "nothing_wrong":
+        return VERDICTS["nothing_wrong"] if found.reference else UNKNOWN_HEALTH
+    unknown = [] if found.reference else [NO_REFERENCE]
+    if found.verdict == "cannot_tell":
+        return " ".join([f"{VERDICTS['cannot_tell']}: {untold_sentence(found)}", *unknown])
+    said = "; ".join(cause_sentence(one) for one in found.named)
+    begin = VERDICTS[found.verdict]
+    if found.verdict == "unexplained" and not found.unexplained:
+        begin = SEEN
+    text = begin + (f": {said}." if said else ".")
+    return " ".join([text, *(leftover_sentence(one) for one in found.unexplained), *unknown])
+
+
+def untold_sentence(found: Diagnosis) -> str:
+    """Which robots cannot be called sound, and which causes could be unseen in them."""
+    by_causes: dict[tuple[str, ...], list[int]] = {}
+    for robot, names in found.untold.items():
+        by_causes.setdefault(names, []).append(robot)
+    said = []
+    for names, robots in by_causes.items():
+        sizes = ", ".join(f"{name} of {_core(name)}" for name in names)
+        everyone = len(robots) == len(found.robots) > 1
+        said.append(f"in {'any robot' if everyone else _listed(robots)} {sizes} could be unseen")
+    return "; ".join(said) + "."
+
+
+def _core(name: str) -> str:
+    parameter = causes()[name].parameters[0]
+    return _amount(CORE[name], parameter.null, parameter.unit)
+
+
+def detectable_sentence(found: Sequence[Detectable]) -> str:
+    """What would have shown, and what would not, worst robot."""
+    shown = "; ".join(f"{one.cause} {_from(one)}" for one in found if one.size is not None)
+    unseen = ", ".join(one.cause for one in found if one.size is None)
+    said = [f"In any robot these would have shown: {shown}."] if shown else []
+    said += [f"These would not have shown in every robot: {unseen}."] if unseen else []
+    return " ".join(said)
+
+
+def _from(one: Detectable) -> str:
+    assert one.size is not None
+    if one.null is None:
+        return f"{one.parameter} below {one.size:.3g} {one.unit}"
+    parameter = next(p for p in every_cause()[one.cause].parameters if p.name == one.parameter)
+    if parameter.sign < 0:
+        unit = "" if one.unit == "1" else f" {one.unit}"
+        return f"{one.parameter} below {one.null - one.size:.2g}{unit}"
+    return f"above {_amount(one.size, one.null, one.unit)}"
+
+
+def _amount(size: float, null: float, unit: str) -> str:
+    """A departure from a null: of a factor in per cent."""
+    if null == 1.0:
+        return f"{100.0 * size:.2g} %"
+    return f"{size:.2g}" + ("" if unit in ("", "1") else f" {unit}")
+
+
+def leftover_sentence(one: Unexplained) -> str:
+    """What no cause explains: who, what, following what, how much."""
+    robots = "all robots" if one.robots == "all" else _listed(one.robots)
+    return f"{robots}: {one.where}; {100 * one.share:.1f} % of the squared error, cause unknown."
+
+
+def cause_sentence(named: Named) -> str:
+    """One cause: name, robots, values, rivals, and why it is not exported."""
+    cause = named.term.cause
+    which = f" ({named.term.variant})" if named.term.variant else ""
+    told = ", ".join(value_text(v) for v in named.values)
+    others = alternatives(named)
+    rivals = f", or {' or '.join(others)}" if others else ""
+    why = "" if named.exported else f" ({named.why})"
+    return f"{who(named)}: {cause.name}{which} {told}{rivals}{why}"
+
+
+def who(named: Named) -> str:
+    """Which robots, in words."""
+    robots = robots_of(named)
+    return "all robots" if isinstance(robots, str) else _listed(robots)
+
+
+def _listed(robots: Sequence[int]) -> str:
+    return ("robot " if len(robots) == 1 else "robots ") + ", ".join(str(r) for r in robots)
+
+
+def value_text(value: Value) -> str:
+    """A value with its interval, to the digits that the interval leaves meaningful."""
+    unit = "" if value.unit in ("", "1") else f" {value.unit}"
+    return f"{value.name} {value.value:.4g} ({value.low:.4g} to {value.high:.4g}){unit}"
+
+
+def gain_row(name: str, gain: Gain) -> dict[str, str | None]:
+    """One line of the table of gains; lengths in mm, angles in mrad."""
+    what, _, when = name.partition("_")
+    ahead = f" {when.removesuffix('s')} s ahead" if when != "reading" else " readings"
+    scale, unit = (1.0, gain.unit) if gain.unit == "counts" else (1e3, f"m{gain.unit}")
+    healthy = None if gain.healthy is None else f"{scale * gain.healthy:.3g}"
+    return {
+        "mean error of": f"{what}{ahead} ({unit})",
+        "before": f"{scale * gain.before:.3g}",
+        "extended model (95 %)": f"{scale * gain.after:.3g} "
+        f"({scale * gain.low:.3g} to {scale * gain.high:.3g})",
+        "of a healthy robot": healthy,
+    }

@@ -1,0 +1,85 @@
+"""What the measurement of a gain hands over."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from realitygap.models.log import write_table
+from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
+from realitygap.studies.pages.notebook import Told
+from realitygap.studies.plumbing.output import whole_directory
+from realitygap.studies.plumbing.provenance import write_json
+
+FILE = "gain.json"
+ESTIMATES = (BEFORE, HEALTHY, EXTENDED, ORACLE, "reducible", "remains", "over_healthy", "closed")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class GainResult(Told):
+    """How much better an extended model predicts runs that nothing was named from."""
+
+    content: Mapping[str, Any]
+    """Of `gain.json`."""
+    table: pd.DataFrame = field(repr=False)
+    """Sums of absolute errors by run, robot, model, channel and block: of `errors.parquet`."""
+
+    @property
+    def summary(self) -> tuple[str, ...]:
+        """What it is worth, in sentences."""
+        return tuple(self.content["summary"])
+
+    @property
+    def errors(self) -> pd.DataFrame:
+        """Mean absolute errors: a row per `kind`, `channel` and `horizon`.
+
+        Columns `unit`, `number` of windows or readings, and of each estimate (`before`, `healthy`,
+        `extended`, `oracle`, `reducible`, `remains`, `over_healthy`, `closed`) its value and the
+        ends of its 95 % interval, as in `closed`, `closed_low`, `closed_high`; NaN: there is none.
+        """
+        names = ("kind", "channel", "horizon", "unit", "number")
+        rows = [
+            {name: one[name] for name in names}
+            | {
+                name if end == "value" else f"{name}_{end}": (one[name] or {}).get(end)
+                for name in ESTIMATES
+                for end in ("value", "low", "high")
+            }
+            for one in self.content["errors"]
+        ]
+        table = pd.DataFrame(rows)
+        return table.astype({name: float for name in table if name not in names})
+
+    @property
+    def by_run(self) -> pd.DataFrame:
+        """Mean errors of every run: `run`, `kind`, `channel`, `horizon`, `unit`, one per model."""
+        return pd.DataFrame(self.content["by_run"])
+
+    def write(self, out: Path | str, *, force: bool = False) -> None:
+        """Write gain.json, errors.parquet and report.html into a new directory.
+
+        Args:
+            out: The directory.
+            force: Replace a gain that is there.
+
+        Raises:
+            InputError: `out` is there already or cannot be written.
+        """
+        with whole_directory(Path(out), force=force, holds=(FILE,)) as part:
+            self.keep(part)
+
+    def keep(self, folder: Path) -> None:
+        """Write the same files into a directory that is there."""
+        from realitygap.studies.gain.report import write_report
+
+        write_json(folder / FILE, dict(self.content))
+        write_table(self.table, folder / "errors.parquet", {})
+        write_report(self.content, folder / "report.html")
+
+    def told(self) -> tuple[str, str, str]:
+        """As `Told`."""
+        return "Gain", "\n".join(self.summary), ".errors .by_run .table"

@@ -1,0 +1,1 @@
+"""Health: what sound robots do, from logs or from runs recorded for it."""

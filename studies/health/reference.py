@@ -1,0 +1,214 @@
+"""A healthy reference from logs, or from healthy runs recorded for it, on every core."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from realitygap.embedded_sim.errors import InputError
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.embedded_sim.probes import MENU, PREFIX
+from realitygap.models.claims import farthest_error
+from realitygap.models.identify.tracks import Tracks, cut_tracks
+from realitygap.models.naming.health import Told
+from realitygap.models.naming.measured import fit_inherent, make_reference, told_of, with_errors
+from realitygap.models.reference import Reference, read_reference, write_reference
+from realitygap.models.senses.reference import (
+    SenseReference,
+    beside,
+    read_sense_reference,
+    write_sense_reference,
+)
+from realitygap.reality.engine import DEFAULT, EngineName, engine_name
+from realitygap.studies.health.senses import sense_reference_of
+from realitygap.studies.inputs.logs import AnyLog, Source, read_logs, sources
+from realitygap.studies.inputs.model import AnyModel, Model
+from realitygap.studies.plumbing.execution import Workers, processes
+from realitygap.studies.plumbing.output import readable, whole_file
+from realitygap.studies.plumbing.rooms import scratch
+from realitygap.studies.plumbing.typed import typed
+
+SAMPLE = 9
+"""Logs, evenly among all, whose median gives the inherent motion: more differ from it no less than
+from each other. Our choice; an odd number."""
+MINUTES = 2.0
+"""Simulated, of a recorded run: what a diagnosis is usually made of."""
+KINDS = (
+    ("search", "no-light"),
+    ("coevolution", "light-at-nest"),
+    ("search", "no-light"),
+    ("coevolution", "light-opposite-nest"),
+)
+"""Controller and case of the recorded runs, in turn: health must hold whatever robots do."""
+MANOEUVRES = (
+    *((PREFIX + name, "no-light" if one.dark else "light-at-nest") for name, one in MENU.items()),
+    *KINDS[:3],
+)
+"""The same where health must hold for robots that perform manoeuvres, and forage besides."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReferenceRequest:
+    """What to measure health from."""
+
+    logs: tuple[Source, ...] = ()
+    runs: int = 0
+    manoeuvres: bool = False
+    seed: int = 0
+    engine: EngineName = DEFAULT
+    """Of the recorded runs' world."""
+    model: Model
+    jobs: int | None = None
+
+    @property
+    def command(self) -> str:
+        """What a user would type."""
+        words: list[object] = ["realitygap", "reference", *(one.typed for one in self.logs)]
+        words += ["--runs", self.runs, "--seed", self.seed] if self.runs else []
+        words += ["--engine", self.engine] if self.runs and self.engine != DEFAULT else []
+        words += ["--manoeuvres"] if self.manoeuvres else []
+        words += ["--model", self.model.typed] if self.model.typed else []
+        return typed(*words)
+
+
+def measure_health(
+    log: AnyLog = (),
+    *,
+    out: Path | str,
+    model: AnyModel = None,
+    runs: int = 0,
+    manoeuvres: bool = False,
+    seed: int = 0,
+    engine: str = DEFAULT,
+    jobs: int | None = None,
+    force: bool = False,
+    reach: Callable[[float], None] = lambda done: None,
+) -> Reference:
+    """Measure health: what sound robots do beyond the model, and how much they differ.
+
+    Args:
+        log: Measured logs of sound robots, as `read_log` takes them.
+        out: Where to write the reference (JSON); that of the senses is written beside it.
+        model: What is believed of the robots; the e-puck if absent.
+        runs: Healthy runs of the nominal world to record, two minutes each.
+        manoeuvres: Record the manoeuvres of `probe:NAME` in turn.
+        seed: Of the recorded runs.
+        engine: Physics of their world: pybullet or mujoco.
+        jobs: Processes; all cores if absent.
+        force: Replace a reference that is there.
+        reach: Called with the share that is done, from 0 to 1.
+
+    Raises:
+        InputError: neither logs nor runs, a log or the model cannot be used, or `out` cannot.
+    """
+    request = ReferenceRequest(
+        logs=sources(log),
+        runs=runs,
+        manoeuvres=manoeuvres,
+        seed=seed,
+        engine=engine_name(engine),
+        model=Model.load(model),
+        jobs=jobs,
+    )
+    if not request.logs and request.runs < 1:
+        raise InputError("LOG", "nothing", "logs of healthy robots, or --runs to record some")
+    target = Path(out)
+    motion, seen = readable(read_reference), readable(read_sense_reference)
+    with (
+        whole_file(target, force=force, ours=motion) as part,
+        whole_file(beside(target), force=force, ours=seen, needed=False) as sense_part,
+    ):
+        made, senses = _measured(request, reach)
+        write_reference(made, part)
+        if senses is not None:
+            write_sense_reference(senses, sense_part)
+    return made
+
+
+def _measured(
+    request: ReferenceRequest, reach: Callable[[float], None]
+) -> tuple[Reference, SenseReference | None]:
+    """The references of motion and, where there are any, of the senses."""
+    model = request.model
+    inputs = (*(log.entry("LOG") for log in request.logs), *model.entries())
+    jobs = Workers.chosen(request.jobs, None).jobs
+    done, total = 0.0, len(request.logs) + 2.0 * request.runs
+
+    def step(count: float) -> None:
+        nonlocal done
+        done += count
+        reach(done / total)
+
+    with scratch() as room, processes(jobs) as pool:
+        kinds = MANOEUVRES if request.manoeuvres else KINDS
+        tasks = [(request, k, kinds[k % len(kinds)], room) for k in range(request.runs)]
+        recorded = []
+        for path in pool.map(_record, tasks):
+            recorded.append(Source(path))
+            step(1.0)
+        logs = [*request.logs, *recorded]
+        inherent = []
+        some = sorted({*np.linspace(0, len(logs) - 1, SAMPLE).round().astype(int).tolist()})
+        for found in pool.map(_inherent, [(logs[k], model) for k in some]):
+            inherent.append(found)
+            step(0.3 * len(logs) / len(some))
+        common = np.median(inherent, axis=0)
+        swarms: list[Told] = []
+        for healthy in pool.map(_terms, [(log, model, common) for log in logs]):
+            swarms.append(healthy)
+            step(0.7)
+        drive = model.file.motion().drive
+        made = make_reference(
+            swarms, common, model=model.name, drive=drive, command=request.command
+        )
+        errors = pool.map(_error, [(log, model, made) for log in logs])
+        made = with_errors(made, list(errors))
+        senses = sense_reference_of(logs, model, pool, command=request.command)
+    return made.model_copy(update={"inputs": inputs}), senses
+
+
+def _record(task: tuple[ReferenceRequest, int, tuple[str, str], Path]) -> Path:
+    """Record one healthy run of the nominal world."""
+    from realitygap.studies.run.experiment import RunConfig, simulate
+
+    request, number, (controller, case), room = task
+    out = room / f"run{number}"
+    out.mkdir()
+    config = RunConfig.model_validate(
+        {
+            "case": case,
+            "controller": controller,
+            "minutes": MINUTES,
+            "seed": int(np.random.SeedSequence([request.seed, number]).generate_state(1)[0]),
+            "engine": request.engine,
+        }
+    )
+    simulate(config, (), out)
+    return out
+
+
+def _tracks(log: Source, model: Model) -> Tracks:
+    return cut_tracks(read_logs(log, model.file), model.file)
+
+
+def _inherent(task: tuple[Source, Model]) -> FloatArray:
+    return fit_inherent(_tracks(*task), task[1].file.motion().drive)
+
+
+def _terms(task: tuple[Source, Model, FloatArray]) -> Told:
+    from realitygap.models.causes import Motion
+    from realitygap.models.identify.inherent import INHERENT
+
+    log, model, inherent = task
+    believed = Motion(drive=model.file.motion().drive)
+    return told_of(_tracks(log, model), INHERENT.applied(believed, inherent))
+
+
+def _error(task: tuple[Source, Model, Reference]) -> float:
+    """How far the healthy model's predictions of one healthy log are off at most."""
+    source, model, reference = task
+    log = read_logs(source, model.file)
+    return farthest_error(log, model.file, reference, cut_tracks(log, model.file))

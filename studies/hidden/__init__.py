@@ -1,0 +1,1 @@
+"""What can be hidden in reality, and what the diagnosis calls it."""

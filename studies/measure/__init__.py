@@ -1,0 +1,1 @@
+"""What the documents say of this program, measured again: `realitygap measure --help`."""

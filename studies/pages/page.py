@@ -1,0 +1,120 @@
+"""One self-contained HTML page: text, figures as inline images, tables; nothing is fetched.
+
+The same sections as Markdown are for a document that holds them.
+"""
+
+from __future__ import annotations
+
+import base64
+import math
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+
+VERDICTS = ("reproduced", "not reproduced", "undecided")
+WIDTH = 110
+"""Characters of a line of Markdown; our choice."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure already drawn."""
+
+    path: Path
+    """The PNG."""
+    caption: str
+
+    @property
+    def png(self) -> str:
+        """Its bytes as base64."""
+        return base64.b64encode(self.path.read_bytes()).decode("ascii")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A table's cell and its style."""
+
+    text: str
+    kind: str
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table as text."""
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
+
+    @classmethod
+    def of(cls, frame: pd.DataFrame) -> Table:
+        """From a data frame; numbers to three digits, verdicts coloured."""
+        rows = [[_cell(value) for value in row] for row in frame.itertuples(index=False)]
+        return cls([str(name) for name in frame.columns], rows)
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading and what stands under it, in this order."""
+
+    title: str
+    texts: Sequence[str] = ()
+    figures: Sequence[Picture] = ()
+    tables: Sequence[Table] = field(default_factory=tuple)
+
+
+def write_page(path: Path, title: str, lead: str, sections: Sequence[Section]) -> None:
+    """Write the page."""
+    environment = Environment(
+        loader=PackageLoader("realitygap.studies.pages", "."),
+        autoescape=select_autoescape(default=True, default_for_string=True),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        keep_trailing_newline=True,
+    )
+    page = environment.get_template("report.html.j2")
+    path.write_text(page.render(title=title, lead=lead, sections=sections), encoding="utf-8")
+
+
+def markdown(sections: Sequence[Section]) -> str:
+    """Sections without their figures as Markdown, the same text and tables as on the page."""
+    parts = []
+    for section in sections:
+        parts.append(f"## {section.title}")
+        parts += [_filled(text) for text in section.texts]
+        parts += [_markdown_table(table) for table in section.tables]
+    return "\n\n".join(parts) + "\n"
+
+
+def _filled(text: str) -> str:
+    return textwrap.fill(text, WIDTH, break_long_words=False, break_on_hyphens=False)
+
+
+def _markdown_table(table: Table) -> str:
+    rows = [
+        table.columns,
+        ["---"] * len(table.columns),
+        *([cell.text.replace("|", "\\|") for cell in row] for row in table.rows),
+    ]
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+
+def number(value: float) -> str:
+    """Three digits, a dash for what does not exist, signs of infinity spelt."""
+    if math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
+    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+
+
+def _cell(value: object) -> Cell:
+    if isinstance(value, float):
+        return Cell(number(value), "number")
+    if isinstance(value, int):
+        return Cell(str(value), "number")
+    text = "–" if value is None or value is pd.NA else str(value)
+    return Cell(text, text.replace(" ", "-") if text in VERDICTS else "")

@@ -1,0 +1,1 @@
+"""One run: its configuration, its world and swarm, what is recorded of it, its picture."""
