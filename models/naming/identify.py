@@ -18,14 +18,17 @@ from realitygap.models.identify.tracks import Tracks
 from realitygap.models.identify.twins import Twins, tell_apart
 from realitygap.models.identify.value import Value, told, values
 from realitygap.models.naming.columns import Mask
-from realitygap.models.naming.findings import Evidence, Follows, Identified, Named
+from realitygap.models.naming.everywhere import uneven
+from realitygap.models.naming.findings import Evidence, Follows, Identified, Named, Uneven
+from realitygap.models.naming.fitter import Fitter, Refined
 from realitygap.models.naming.marginal import freed
 from realitygap.models.naming.robot import robots_of
 from realitygap.models.naming.search import PRICE, contenders, fitted_with, offers, search
 from realitygap.models.naming.seen import away, least_seen
 from realitygap.models.naming.separable import inseparable
-from realitygap.models.naming.state import SWARM, Fitter, Kept, Refined, State, Weighed, with_kept
+from realitygap.models.naming.state import SWARM, Kept, State, refusing, with_kept
 from realitygap.models.naming.threads import one_thread
+from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates, Reference
 
 MARGIN = 6.0
@@ -93,13 +96,12 @@ def _of_free(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
     names = start.robots[0].made.names
     known = reference.knows(names)
     gates = reference.gates.of(len(tracks.first))
-    state = _settled(search(start, gates, known), gates, known)
+    state, judged, strange = _even(start, gates, known)
     found: list[Named] = []
     follows: list[Follows] = []
     fits: list[Fitted] = []
-    for scope in sorted(state.kept):
-        state, judged = _judged(state, scope, gates)
-        own, left, fit = _told(state, scope, judged, reference, known)
+    for scope in sorted(judged):
+        own, left, fit = _told(state, scope, judged[scope], reference, known)
         found += own
         follows += left
         fits += [fit] if fit is not None else []
@@ -107,6 +109,7 @@ def _of_free(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
     return Identified(
         named=tuple(_beside(found, follows)),
         follows=tuple(follows),
+        uneven=tuple(strange),
         base=base,
         explained=tuple(state.motion(k, {}) for k in range(len(base))),
         fits=tuple(fits),
@@ -115,21 +118,44 @@ def _of_free(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
     )
 
 
-def _settled(state: State, gates: Gates, known: Mask) -> State:
-    """The state, searched again where a cause taken early turned out to be superfluous: what was
-    taken beside it answered to what it left."""
-    for _ in range(AGAIN):
-        misled = False
+def _even(
+    state: State, gates: Gates, known: Mask
+) -> tuple[State, dict[int, _Judged], list[Uneven]]:
+    """What stands after all causes that are of different sizes in parts of the log are refused."""
+    strange: list[Uneven] = []
+    while True:  # every round refuses a cause in a scope, of which there are finitely many
+        state, judged = _settled(search(state, gates, known), gates, known)
+        found = []
+        for scope, one in judged.items():
+            fitter = Fitter(Weighed(state), scope)
+            robots = tuple(state.tracks.robots[k] for k in state.members(scope))
+            for term in one.terms:
+                where = uneven(fitter, one.terms, one.fit.coordinates, term)
+                if where is not None:
+                    found.append((scope, Uneven(term, robots, scope == SWARM, where)))
+        if not found:
+            return state, judged, strange
+        scope, worst = max(found, key=lambda each: each[1].where.gain)
+        strange.append(worst)
+        kept = [one for one in state.of(scope) if one.item.term != worst.term]
+        state = refusing(with_kept(state, scope, kept), scope, worst.term.key)
+
+
+def _settled(state: State, gates: Gates, known: Mask) -> tuple[State, dict[int, _Judged]]:
+    """The state with its causes judged, searched again where one taken early turned out to be
+    superfluous: what was taken beside it answered to what it left."""
+    for again in reversed(range(AGAIN + 1)):
+        misled, found = False, {}
         for scope in sorted(state.kept):
             before = sum(one.item.term is not None for one in state.of(scope))
-            state, judged = _judged(state, scope, gates)
-            if len(judged.terms) < before:
+            state, found[scope] = _judged(state, scope, gates)
+            if len(found[scope].terms) < before and again:
                 causes = [one for one in state.of(scope) if one.item.term is not None]
                 state, misled = with_kept(state, scope, causes), True
         if not misled:
             break
         state = search(state, gates, known)
-    return state
+    return state, found
 
 
 def _judged(state: State, scope: int, gates: Gates) -> tuple[State, _Judged]:
