@@ -14,7 +14,7 @@ from realitygap.embedded_sim import PointModel, Tables
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes import Motion
 from realitygap.models.frames import Rows
-from realitygap.models.identify.predict import driven
+from realitygap.models.identify.predict import driven, recorded
 from realitygap.models.log import MeasuredLog
 from realitygap.models.modelfile import ModelFile
 from realitygap.models.replay import replay_log
@@ -70,7 +70,10 @@ def replay_segments(
     cut = np.concatenate([[0], np.cumsum([log.start[k + 1] - log.start[k] for k in segments])])
     commands = np.ascontiguousarray(log.commands[rows])
     late = motion.motor_delay + motion.pose_delay
-    return rows, as_seen(driven(log.t[rows], commands, cut, motion.drive, late), motion)
+    path = recorded(
+        log.t[rows], driven(log.t[rows], commands, cut, motion.drive, late), cut, motion
+    )
+    return rows, as_seen(path, motion)
 
 
 def as_seen(poses: FloatArray, motion: Motion) -> FloatArray:
@@ -78,7 +81,9 @@ def as_seen(poses: FloatArray, motion: Motion) -> FloatArray:
     ahead, left = motion.lever
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     offset = [c * ahead - s * left, s * ahead + c * left, np.full(len(c), motion.yaw_offset)]
-    return np.asarray(poses + np.column_stack(offset))
+    seen = np.asarray(poses + np.column_stack(offset))
+    seen[:, :2] *= motion.pose_scale
+    return seen
 
 
 def own_models(log: MeasuredLog, file: ModelFile, tables: Tables | None) -> dict[int, PointModel]:

@@ -8,7 +8,7 @@ shown a fault at all?
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +17,7 @@ import pandas as pd
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.ahead import HORIZON_OF, KEYS, SECONDS, Ahead, key, together
 from realitygap.models.blocks import interval
+from realitygap.models.causes import Motion
 from realitygap.models.conditions import conditions
 from realitygap.models.diagnosis import Detectable, Gain, Unexplained
 from realitygap.models.harm import Predictions, harmless, robots_of
@@ -27,6 +28,7 @@ from realitygap.models.identify.tracks import Tracks
 from realitygap.models.log import MeasuredLog
 from realitygap.models.modelfile import ModelFile
 from realitygap.models.naming.findings import Named
+from realitygap.models.naming.search import LEAST_SWARM
 from realitygap.models.reference import Reference
 from realitygap.models.replay import HORIZONS
 from realitygap.models.written import at_bound
@@ -59,7 +61,9 @@ def claimed(
         replace(one, exported=k not in refused, why=refused.get(k, ""))
         for k, one in enumerate(inside)
     )
-    errors = _Errors(predictions, examined.reference, tracks, np.random.default_rng(seed))
+    base = dict(zip(tracks.robots, found.base, strict=True))
+    rng = np.random.default_rng(seed)
+    errors = _Errors(predictions, examined.reference, tracks, base, found.alike, rng)
     exported = frozenset(range(len(named))) - refused.keys()
     unexplained = (*said.unexplained, *ended)
     seen = detectable(found.least, found.explained)
@@ -127,6 +131,10 @@ def _told(one: Seen, robots: Sequence[int]) -> Detectable:
     )
 
 
+Ratio = tuple[float, str, float, float]
+"""How many times an error is what tracker noise leaves, its key, and both."""
+
+
 class _Errors:
     """Predictions weighed against what healthy robots leave."""
 
@@ -135,10 +143,12 @@ class _Errors:
         predictions: Predictions,
         reference: Reference,
         tracks: Tracks,
+        base: Mapping[int, Motion],
+        alike: bool,
         rng: np.random.Generator,
     ) -> None:
         self.predictions, self.reference, self.tracks = predictions, reference, tracks
-        self.rng = rng
+        self.base, self.alike, self.rng = base, alike, rng
         self.ahead, self.model = predictions.ahead, predictions.model
         plain = self.model.model_copy(update={"extension": None})
         self._minimal = plain.motion()
@@ -199,9 +209,12 @@ class _Errors:
             return ()
         told = {r for one in named for r in one.robots}
         told |= {r for one in left if one.robots != "all" for r in one.robots}
+        known = [robot for robot in self.tracks.robots if not self.alike or robot not in told]
+        ratios = {robot: self._ratios(robot) for robot in known}
+        usual = {} if self.alike else _usual(list(ratios.values()))
         found = []
-        for robot in self.tracks.robots:
-            one = self._far(robot) if robot not in told else None
+        for robot in known:
+            one = self._far(robot, ratios[robot], usual) if robot not in told else None
             if one is not None:
                 found.append(one)
         return tuple(found)
@@ -211,19 +224,22 @@ class _Errors:
         each = [self._ratios(robot) for robot in self.tracks.robots]
         return max((far for own in each for far, *_ in own), default=0.0)
 
-    def _far(self, robot: int) -> Unexplained | None:
+    def _far(
+        self, robot: int, ratios: Sequence[Ratio], usual: Mapping[str, float]
+    ) -> Unexplained | None:
         """At the horizon at which it is farthest."""
-        beyond = [one for one in self._ratios(robot) if one[0] > self.reference.gates.error]
+        gate = self.reference.gates.error
+        beyond = [one for one in ratios if one[0] > gate * usual.get(one[1], 1.0)]
         if not beyond:
             return None
-        most, name, seen, usual = max(beyond)
+        most, name, seen, noise = max(beyond)
         unit = KEYS[name]
         what = "position" if name.startswith("position") else "heading"
         size = f"{1e3 * seen:.0f} mm" if unit == "m" else f"{seen:.2g} rad"
         seconds = HORIZONS[HORIZON_OF[name]]
         return Unexplained(
             channel="motion",
-            share=1.0 - (usual / seen) ** 2,
+            share=1.0 - (noise / seen) ** 2,
             where=f"its predicted {what} is off by {size} after {seconds:g} s, {most:.0f} times "
             "what a healthy robot would show",
             quantity="error",
@@ -231,11 +247,10 @@ class _Errors:
             distance=most,
         )
 
-    def _ratios(self, robot: int) -> list[tuple[float, str, float, float]]:
+    def _ratios(self, robot: int) -> list[Ratio]:
         """By key, how often the error that tracker noise leaves of a healthy robot is in the median
         error by the healthy model, with the key and both."""
-        healthy = self.reference.motion(self.model.motion(robot))
-        path = self.ahead.replay(robot, lambda r, part: healthy)
+        path = self.ahead.replay(robot, lambda r, part: self.base[robot])
         off = self.ahead.sizes(robot, path)
         noise = self.ahead.sound(robot, path, path, self.tracks.noise, self.rng)
         found = []
@@ -249,10 +264,26 @@ class _Errors:
         return found
 
 
+def _usual(every: Sequence[Sequence[Ratio]]) -> dict[str, float]:
+    """By key, the median robot's ratio, at least 1: what most have may be the recording's.
+
+    Of fewer than `LEAST_SWARM` robots nobody says which one differs.
+    """
+    if len(every) < LEAST_SWARM:
+        return {}
+    found: dict[str, list[float]] = {}
+    for own in every:
+        for ratio, name, *_ in own:
+            found.setdefault(name, []).append(ratio)
+    return {name: max(1.0, float(np.median(each))) for name, each in found.items()}
+
+
 def farthest_error(
     log: MeasuredLog, model: ModelFile, reference: Reference, tracks: Tracks, *, seed: int = 0
 ) -> float:
     """Largest error of healthy robots by the healthy model, times what tracker noise leaves."""
     ahead = Ahead(log, conditions(log, model))
     predictions = Predictions(ahead, model, (), ({}, {}))
-    return _Errors(predictions, reference, tracks, np.random.default_rng(seed)).farthest()
+    base = {robot: reference.motion(model.motion(robot)) for robot in tracks.robots}
+    rng = np.random.default_rng(seed)
+    return _Errors(predictions, reference, tracks, base, True, rng).farthest()

@@ -29,7 +29,7 @@ from realitygap.models.schema import (
     coerce,
 )
 from realitygap.models.table_files import read_csv, read_parquet
-from realitygap.models.tracker import repair
+from realitygap.models.tracker import held, repair
 
 SAMPLES = "samples.parquet"
 EXPECTED = "a readable table (.parquet, .csv or .csv.gz), or a run's directory"
@@ -56,6 +56,8 @@ class MeasuredLog:
     """(rows,) which uninterrupted stretch the row belongs to; nothing is concluded across two."""
     step: float
     """s, median time between rows."""
+    recorder: str
+    """What recorded it, where its file says so."""
     notes: tuple[str, ...]
     """Repairs and omissions, counted, in plain words."""
 
@@ -147,6 +149,11 @@ def make_log(frame: pd.DataFrame, *, drive: Drive, fastest: float | None = None)
     check_units(t, poses, commands, start, drive=drive, names=names, fastest=fastest)
     stretch = np.concatenate([[0], np.cumsum(breaks)])
     segment = np.repeat(np.arange(len(segments)), np.diff(start))
+    again = held(poses, np.any(commands != 0.0, axis=1), segment)
+    if again.any():
+        notes.append(f"{again.sum()} rows repeat a pose, as slow trackers do: each is used once")
+        usable.loc[again, list(POSE)] = np.nan
+        poses = usable[list(POSE)].to_numpy(dtype=np.float64)
     speed = float(np.abs(0.5 * commands @ np.array(drive.wheel_radius)).max())
     track = repair(poses, t, stretch, segment, names, speed)
     return MeasuredLog(
@@ -157,6 +164,7 @@ def make_log(frame: pd.DataFrame, *, drive: Drive, fastest: float | None = None)
         tracked=track.tracked,
         stretch=stretch + np.cumsum(track.jumps),
         step=step,
+        recorder=str(frame.attrs.get("recorder", "")),
         notes=(*notes, *track.notes),
     )
 

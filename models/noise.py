@@ -39,11 +39,12 @@ class PoseNoise(NamedTuple):
 
 def pose_noise(log: MeasuredLog, replayed: FloatArray) -> PoseNoise:
     """The tracker's noise; `replayed` (rows, 3) is the log's commands through the model."""
-    rows = np.arange(1, len(log.t) - 1)
-    before, after = Windows(rows - 1, rows), Windows(rows, rows + 1)
-    whole = (log.stretch[rows - 1] == log.stretch[rows + 1]) & (
-        log.tracked[rows - 1] & log.tracked[rows] & log.tracked[rows + 1]
-    )
+    known = np.flatnonzero(log.tracked)
+    first, rows, last = known[:-2], known[1:-1], known[2:]
+    before, after = Windows(first, rows), Windows(rows, last)
+    whole = log.stretch[first] == log.stretch[last]
+    if len(rows):  # a tracker may be slower than the log; a lost pose is not bridged
+        whole &= last - first <= 2.0 * np.median(np.diff(known))
     steady = whole & _steady(log)[rows]
     use = steady if steady.sum() >= min(ENOUGH, 0.5 * whole.sum()) else whole
     if not use.any():

@@ -29,6 +29,8 @@ from realitygap.models.naming.health import Health
 
 DIRECTORY = Path(__file__).parent / "references"
 SCHEMA = 2
+LIKE = 0.01
+"""Relative difference of two logs' steps that is none: written times are rounded."""
 
 
 class Column(Finite):
@@ -87,6 +89,10 @@ class Reference(Finite):
     correlation: tuple[tuple[float, ...], ...] = ()
     """and their correlation between robots, row by row."""
     gates: Gates = Gates()
+    recorder: str = ""
+    """What recorded the logs it was made from (`MeasuredLog.recorder`), where all say the same,"""
+    step: float = 0.0
+    """and s between their rows."""
     command: str = ""
     """What made it."""
     inputs: tuple[dict[str, str], ...] = ()
@@ -121,6 +127,10 @@ class Reference(Finite):
         if not self.robots:
             return believed
         return INHERENT.applied(believed, np.array(self.inherent))
+
+    def recorded_like(self, recorder: str, step: float) -> bool:
+        """Whether a log is known to be recorded as the reference's were, rows `step` s apart."""
+        return bool(recorder) and recorder == self.recorder and abs(step / self.step - 1.0) < LIKE
 
     def knows(self, names: Iterable[str]) -> npt.NDArray[np.bool_]:
         """Which coefficients were measured in healthy robots; all, where health is not asked for.

@@ -35,6 +35,8 @@ HEAD = 2**16
 """bytes that a CSV's header and first row lie in: 64 letters a column at most columns."""
 _UNNAMED = re.compile(r"__index_level_\d+__")
 """What pandas calls an index without a name."""
+RECORDER = b"recorder"
+"""Key of a Parquet file's metadata: what recorded it, in one word and its rows' step in s."""
 LESS = "a smaller table: give a long log in parts"
 
 
@@ -61,7 +63,11 @@ def read_parquet(path: Path, expected: str) -> pd.DataFrame:
         # what pandas noted beside the columns is not needed: an index is a column like others
         frame: pd.DataFrame = _spelt_out(path, table).to_pandas(ignore_metadata=True)
         frame = frame.drop(columns=[name for name in frame if _UNNAMED.fullmatch(str(name))])
-        return frame.assign(**dict.fromkeys(nested)) if nested else frame
+        frame = frame.assign(**dict.fromkeys(nested)) if nested else frame
+        recorder = (schema.metadata or {}).get(RECORDER)
+        if recorder is not None:
+            frame.attrs["recorder"] = recorder.decode("utf-8", "replace")
+        return frame
 
 
 def read_csv(path: Path, expected: str, *, packed: bool) -> pd.DataFrame:

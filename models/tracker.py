@@ -27,6 +27,9 @@ MOST_WILD = 0.1
 """Share of wild poses or jumps beyond which a track is refused (real trackers: up to 0.04)."""
 MOST_LOST = 0.5
 """Share of a robot's poses that may be missing before it is refused."""
+OFTEN = 0.2
+"""Share of rows of motion that repeat a pose from which on poses are held. Our choice: a tracker a
+fifth slower than the log; noise of any size repeats none, a millimetre's rounding a few."""
 FASTER = 4.0
 """A jump is a step this many times what the fastest command allows."""
 
@@ -70,7 +73,8 @@ def repair(
     notes = []
     lost: Flags = np.asarray(np.isnan(poses).any(axis=1))
     measured = ~lost
-    _refuse(lost, segment, names, MOST_LOST, "without a pose", "poses in most rows: leave it out")
+    expected = "poses in most rows: leave it out"
+    _refuse(_missing(lost, segment), segment, names, MOST_LOST, "without a pose", expected)
     if lost.any():
         longest = _longest(lost, stretch)
         notes.append(f"{lost.sum()} rows without a pose set aside (at most {longest} in a row)")
@@ -90,6 +94,36 @@ def repair(
     if jumps.any():
         notes.append(f"{jumps.sum()} jumps of the tracker: nothing is replayed across them")
     return Repair(tracked, jumps, notes)
+
+
+def _missing(lost: Flags, segment: Rows) -> Flags:
+    """(rows,) lost where a tracker that is slower than the log should have had a pose.
+
+    Of rows that come so many to a pose, one is expected to have it.
+    """
+    known = np.flatnonzero(~lost)
+    same = np.diff(segment[known]) == 0
+    each = int(np.median(np.diff(known)[same])) if same.any() else 1
+    if each == 1:
+        return lost
+    since = np.arange(len(lost)) - np.concatenate([[0], known])[np.cumsum(~lost)]
+    return np.asarray(lost & (since % each == 0))
+
+
+def held(poses: FloatArray, moving: Flags, segment: Rows) -> Flags:
+    """(rows,) the pose repeats the row before: a tracker slower than the log, whose poses are held.
+
+    None where robots that are told to move hardly ever repeat one: noise does not.
+
+    Args:
+        poses: (rows, 3) measured.
+        moving: (rows,) told to move.
+        segment: (rows,) which robot in which run.
+    """
+    again = np.zeros(len(poses), dtype=bool)
+    again[1:] = (poses[1:] == poses[:-1]).all(axis=1) & (segment[1:] == segment[:-1])
+    often = moving.any() and float(again[moving].mean()) > OFTEN
+    return again if often else np.zeros(len(poses), dtype=bool)
 
 
 def _wild(poses: FloatArray, stretch: Rows, fastest: float, t: FloatArray) -> Flags:

@@ -23,6 +23,12 @@ class Motion:
     """s by which motors answer later than `drive.latency` says; negative: earlier."""
     pose_delay: float = 0.0
     """s by which poses are stamped late; negative: early."""
+    clock_rate: float = 0.0
+    """s by which the stamps of poses come later per s since the log began; negative: earlier."""
+    smear: float = 0.0
+    """s^2, variance of the times over which a pose is an average."""
+    pose_scale: float = 1.0
+    """Measured distances over true ones."""
     yaw_offset: float = 0.0
     """rad, measured yaw minus the robot's."""
     lever: tuple[float, float] = (0.0, 0.0)

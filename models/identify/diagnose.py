@@ -50,7 +50,8 @@ def diagnose(
         model.extension.check_robots(tracks.robots, name)
     believed = [model.motion(robot) for robot in tracks.robots]
     healthy = no_reference(model.name, model.motion().drive) if reference is None else reference
-    found = identify(tracks, healthy, believed)
+    alike = healthy.recorded_like(log.recorder, log.step)
+    found = identify(tracks, healthy, believed, alike=alike)
     examined = Examination(
         tracks=tracks,
         model=model,

@@ -12,6 +12,8 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes import Motion
 from realitygap.models.identify.tracks import AROUND, Rows, Tracks
 
+WIDEST = 0.25
+"""Of its neighbours that one pass of an average may take: more would swing."""
 REGULAR = 1e-6
 """Relative deviation from an even rate that written times may have."""
 
@@ -33,6 +35,7 @@ def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
             motion.drive,
             motion.motor_delay + motion.pose_delay,
         )
+        path[begin:end] = recorded(tracks.t[begin:end], path[begin:end], cut, motion)
     seen = path[tracks.rows]
     lever = np.array([m.lever for m in motions])
     if lever.any():
@@ -40,6 +43,9 @@ def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
         c, s = np.cos(seen[:, 2]), np.sin(seen[:, 2])
         seen[:, 0] += c * arm[:, 0] - s * arm[:, 1]
         seen[:, 1] += s * arm[:, 0] + c * arm[:, 1]
+    scale = np.array([m.pose_scale for m in motions])
+    if (scale != 1.0).any():
+        seen[:, :2] *= scale[tracks.row_robot[tracks.rows], None]
     turned = np.array([m.yaw_offset for m in motions])
     if turned.any():
         seen[:, 2] += turned[tracks.row_robot[tracks.rows]]
@@ -108,6 +114,34 @@ def driven(
     given = np.ascontiguousarray(commands[earlier])
     shifted = _with(drive, latency=rows * step + total)
     return replay(t, given, cut, origin, drive=shifted).poses
+
+
+def recorded(t: FloatArray, path: FloatArray, cut: Rows, motion: Motion) -> FloatArray:
+    """(rows, 3) poses of one robot as a tracker with another clock that averages has them.
+
+    Args:
+        t: (rows,) s.
+        path: (rows, 3), each segment by itself.
+        cut: (segments + 1,) first row of each segment, and the row count.
+        motion: Whose `clock_rate` and `smear`.
+    """
+    if not motion.clock_rate and not motion.smear:
+        return path
+    found = path.copy()
+    for begin, end in pairwise(cut.tolist()):
+        own, at = found[begin:end], t[begin:end]
+        if end - begin < 3:
+            continue
+        if motion.clock_rate:
+            taken = at - motion.clock_rate * (at - t[0])
+            own[:] = np.column_stack([np.interp(taken, at, own[:, k]) for k in range(3)])
+        if motion.smear:
+            step = (at[-1] - at[0]) / (len(at) - 1)
+            share = 0.5 * motion.smear / step**2  # of each neighbour: variance of three rows
+            rounds = max(1, int(np.ceil(share / WIDEST)))
+            for _ in range(rounds):
+                own[1:-1] += share / rounds * (own[2:] - 2.0 * own[1:-1] + own[:-2])
+    return found
 
 
 def _ahead(

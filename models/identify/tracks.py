@@ -77,6 +77,8 @@ class Tracks:
     """(rows, columns) conditions at every row, `columns` of them; for the search for structure."""
     columns: tuple[str, ...]
     noise: PoseNoise
+    step: float
+    """s, median time between rows of the log."""
     part: Rows
     """(rows,) part of the log (`models.held_out`)."""
     used: tuple[Used, ...] = ()
@@ -192,7 +194,7 @@ def cut_tracks(
     Args:
         log: The measured log.
         model: Whose geometry says where contact is.
-        window: s, longest; logs slower than a third of it get windows of `LEAST_ROWS` rows.
+        window: s, longest; poses rarer than a third of it get windows of `LEAST_ROWS` of them.
         table: The log's conditions; None: they are looked up.
 
     Raises:
@@ -203,8 +205,10 @@ def cut_tracks(
     free = clear(table) & log.tracked
     order = np.argsort(who, kind="stable")  # robots first; runs and time stay in order
     t, stretch, segment = log.t[order], log.stretch[order], log.segment[order]
-    seconds = max(window, (LEAST_ROWS - 1) * log.step * 1.01)
-    cut = _windows(t, free[order], stretch, who[order], seconds, log.step)
+    step = _pose_step(t, free[order], who[order], log.step)
+    seconds = max(window, (LEAST_ROWS - 1) * step * 1.01)
+    blocked = (log.tracked & ~free)[order]
+    cut = _windows(t, free[order], blocked, stretch, who[order], seconds, step)
     rows, first, thinned = cut.rows, cut.first, len(cut.unused) > 0
     if not len(first):
         raise InputError("log", "no stretch of free motion", "robots that move clear of contact")
@@ -229,6 +233,7 @@ def cut_tracks(
         about=np.hstack([table.to_numpy(dtype=np.float64)[order], *turned]),
         columns=(*table.columns, *(TURNED if turned else ())),
         noise=noise,
+        step=log.step,
         part=parts(log)[order],
         used=used(log, clear(table), order[rows], order[cut.unused]),
     )
@@ -254,9 +259,17 @@ def _turned(t: FloatArray, encoders: FloatArray, start: Rows) -> FloatArray:
     return np.asarray(total - np.repeat(total[start[:-1]], np.diff(start), axis=0))
 
 
+def _pose_step(t: FloatArray, free: npt.NDArray[np.bool_], who: Rows, step: float) -> float:
+    """s, median time between free poses, at least that between rows: trackers may be slower."""
+    rows = np.flatnonzero(free)
+    took = np.diff(t[rows])[np.diff(who[rows]) == 0]
+    return max(step, float(np.median(took))) if len(took) else step
+
+
 def _windows(
     t: FloatArray,
     free: npt.NDArray[np.bool_],
+    blocked: npt.NDArray[np.bool_],
     stretch: Rows,
     who: Rows,
     seconds: float,
@@ -266,7 +279,7 @@ def _windows(
     rows = np.flatnonzero(free)
     if not len(rows):
         return _Cut(rows, rows, rows)
-    away = np.diff(rows) > 1  # a contact or a lost pose between two rows ends a run of rows
+    away = np.diff(np.cumsum(blocked)[rows]) > 0  # a contact between two rows ends a run of rows
     lost = np.diff(t[rows]) > 3.5 * step
     apart = (np.diff(stretch[rows]) != 0) | (np.diff(who[rows]) != 0)
     begin = np.concatenate([[True], away | lost | apart])

@@ -17,11 +17,12 @@ import numpy.typing as npt
 
 from realitygap.embedded_sim import Diverged
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.causes import Motion
+from realitygap.models.causes import ALL, Motion
 from realitygap.models.identify.candidates import candidates, own_starts
 from realitygap.models.identify.fit import Problem
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.identify.predict import poses
+from realitygap.models.identify.recording import recording
 from realitygap.models.identify.tracks import Rows, Tracks
 from realitygap.models.naming.flexible import (
     BODY,
@@ -40,6 +41,8 @@ FREE = 3
 """Window effects that are free: place (two) and heading of the window."""
 CLOCKS = ("clock_offset", "command_latency")
 LAGS = ("motor_lag",)
+ROW = 0.04
+"""s; only so that the recording has bounds, which its columns do not ask for."""
 
 
 class Item(NamedTuple):
@@ -116,6 +119,10 @@ def columns(
         names += called
         items.append(item._replace(columns=tuple(range(at, at + len(own)))))
     steps = Steps(tracks, predicted)
+    term = Term(recording(ROW), ALL)
+    for k, parameter in enumerate(term.cause.parameters):
+        found.append(-_slope(problem, term, k))
+        names.append(f"{term.cause.name}@{parameter.name}")
     always = {}
     for channel, change in _always(steps, tracks, motions):
         always[channel] = len(found)

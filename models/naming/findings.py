@@ -104,8 +104,10 @@ class Identified:
     named: tuple[Named, ...]
     follows: tuple[Follows, ...]
     uneven: tuple[Uneven, ...]
+    alike: bool
+    """Whether the log was recorded as those of the reference were."""
     base: tuple[Motion, ...]
-    """(robots,) healthy motion of each robot."""
+    """(robots,) healthy motion of each robot, as the log was recorded."""
     explained: tuple[Motion, ...]
     """(robots,) motion with every cause named."""
     fits: tuple[Fitted, ...]

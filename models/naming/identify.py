@@ -13,6 +13,7 @@ from realitygap.models.causes import Motion
 from realitygap.models.identify.fit import Problem
 from realitygap.models.identify.fitted import Fitted, Told
 from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.recording import unsure
 from realitygap.models.identify.threshold import bracket
 from realitygap.models.identify.tracks import Tracks
 from realitygap.models.identify.twins import Twins, tell_apart
@@ -22,6 +23,7 @@ from realitygap.models.naming.everywhere import uneven
 from realitygap.models.naming.findings import Evidence, Follows, Identified, Named, Uneven
 from realitygap.models.naming.fitter import Fitter, Refined
 from realitygap.models.naming.marginal import freed
+from realitygap.models.naming.recorded import recorded
 from realitygap.models.naming.robot import robots_of
 from realitygap.models.naming.search import PRICE, contenders, fitted_with, offers, search
 from realitygap.models.naming.seen import away, least_seen
@@ -56,22 +58,26 @@ class _Judged(NamedTuple):
 
 
 @one_thread
-def identify(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -> Identified:
+def identify(
+    tracks: Tracks, reference: Reference, believed: Sequence[Motion], *, alike: bool = True
+) -> Identified:
     """Name what is wrong with the whole swarm and with each robot.
 
     Args:
         tracks: The log's.
         reference: What healthy robots do.
         believed: The model's motion of each robot.
+        alike: Whether the log was recorded as those of the reference were.
     """
     free = np.unique(tracks.robot)
-    found = _of_free(tracks.only(free), reference, [believed[k] for k in free])
+    found = _of_free(tracks.only(free), reference, [believed[k] for k in free], alike)
     if len(free) == len(believed):
         return found
     base = [reference.motion(motion) for motion in believed]
     explained = base.copy()
-    for k, motion in zip(free.tolist(), found.explained, strict=True):
-        explained[k] = motion
+    for own, all_robots in ((found.base, base), (found.explained, explained)):
+        for k, motion in zip(free.tolist(), own, strict=True):
+            all_robots[k] = motion
 
     def spread(values: dict[str, FloatArray]) -> dict[str, FloatArray]:
         """Over all robots; nothing is known of those that were never free."""
@@ -89,10 +95,18 @@ def identify(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
     )
 
 
-def _of_free(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -> Identified:
+def _of_free(
+    tracks: Tracks, reference: Reference, believed: Sequence[Motion], alike: bool
+) -> Identified:
     """The same of robots that all have windows."""
     base = tuple(reference.motion(motion) for motion in believed)
-    start = State(tracks, base, tuple(robots_of(tracks, base)), reference.learned)
+    unsure_of: dict[str, float] = {}
+    if reference.robots and not alike:
+        base = recorded(tracks, base, reference.learned)
+    robots = tuple(robots_of(tracks, base))
+    if reference.robots and not alike:
+        unsure_of = unsure(tracks.step, robots[0].made.names)
+    start = State(tracks, base, robots, reference.learned, unsure=unsure_of)
     names = start.robots[0].made.names
     known = reference.knows(names)
     gates = reference.gates.of(len(tracks.first))
@@ -110,6 +124,7 @@ def _of_free(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
         named=tuple(_beside(found, follows)),
         follows=tuple(follows),
         uneven=tuple(strange),
+        alike=alike,
         base=base,
         explained=tuple(state.motion(k, {}) for k in range(len(base))),
         fits=tuple(fits),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -37,6 +37,9 @@ class State:
     health: Health
     kept: dict[int, tuple[Kept, ...]] = field(default_factory=dict)
     """By scope."""
+    unsure: Mapping[str, float] = field(default_factory=dict)
+    """By name of a column, standard deviation of what the recording of the log adds to what robots
+    share."""
     refused: frozenset[tuple[int, str]] = frozenset()
     """Scopes with keys of items that are not kept there."""
 

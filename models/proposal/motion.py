@@ -135,6 +135,7 @@ def _tracks(
         commands=np.ascontiguousarray(flight.commands[:, where].transpose(1, 0, 2)).reshape(-1, 2),
         start=np.arange(len(where) + 1, dtype=np.int64) * steps,
         segment_robot=np.arange(len(where), dtype=np.int64),
+        step=CONTROL_STEP,
         encoders=None,
         rows=rows,
         first=first,

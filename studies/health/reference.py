@@ -15,7 +15,7 @@ from realitygap.models.claims import farthest_error
 from realitygap.models.identify.tracks import Tracks, cut_tracks
 from realitygap.models.naming.health import Told
 from realitygap.models.naming.measured import fit_inherent, make_reference, told_of, with_errors
-from realitygap.models.reference import Reference, read_reference, write_reference
+from realitygap.models.reference import LIKE, Reference, read_reference, write_reference
 from realitygap.models.senses.reference import (
     SenseReference,
     beside,
@@ -164,8 +164,12 @@ def _measured(
         made = make_reference(
             swarms, common, model=model.name, drive=drive, command=request.command
         )
-        errors = pool.map(_error, [(log, model, made) for log in logs])
-        made = with_errors(made, list(errors))
+        errors, recorders, steps = zip(
+            *pool.map(_error, [(log, model, made) for log in logs]), strict=True
+        )
+        made = with_errors(made, errors)
+        if len({*recorders}) == 1 and max(steps) - min(steps) < LIKE * min(steps):
+            made = made.model_copy(update={"recorder": recorders[0], "step": steps[0]})
         senses = sense_reference_of(logs, model, pool, command=request.command)
     return made.model_copy(update={"inputs": inputs}), senses
 
@@ -207,8 +211,10 @@ def _terms(task: tuple[Source, Model, FloatArray]) -> Told:
     return told_of(_tracks(log, model), INHERENT.applied(believed, inherent))
 
 
-def _error(task: tuple[Source, Model, Reference]) -> float:
-    """How far the healthy model's predictions of one healthy log are off at most."""
+def _error(task: tuple[Source, Model, Reference]) -> tuple[float, str, float]:
+    """How far the healthy model's predictions of one healthy log are off at most, what recorded it,
+    and s between its rows."""
     source, model, reference = task
     log = read_logs(source, model.file)
-    return farthest_error(log, model.file, reference, cut_tracks(log, model.file))
+    tracks = cut_tracks(log, model.file)
+    return farthest_error(log, model.file, reference, tracks), log.recorder, log.step

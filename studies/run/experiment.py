@@ -195,8 +195,9 @@ def simulate(
         engine=config.engine,
     )
     try:
+        run = name or run_name(config)
         with Recorder(
-            out, config.case, name or run_name(config), config.robots, config.samples
+            out, config.case, run, config.robots, config.samples, engine=config.engine
         ) as recorder:
             _loop(config, world, swarm, recorder, progress)
             messages = world.radio.messages

@@ -16,6 +16,7 @@ from realitygap.embedded_sim import CONTROL_STEP, SENSORS
 from realitygap.embedded_sim.breeding import third
 from realitygap.embedded_sim.genome import Genome
 from realitygap.embedded_sim.onboard import Generation
+from realitygap.models.table_files import RECORDER
 
 if TYPE_CHECKING:
     from realitygap.embedded_sim.model import FloatArray
@@ -79,7 +80,9 @@ class RunTables:
 class Recorder:
     """Collects a run's samples a minute at a time; nothing is allocated per step."""
 
-    def __init__(self, out: Path, case: str, run: str, robots: int, samples: bool) -> None:
+    def __init__(
+        self, out: Path, case: str, run: str, robots: int, samples: bool, *, engine: str
+    ) -> None:
         self._out, self._case, self._run = out, case, run
         self._rows = robots if samples else 0
         self._filled = 0
@@ -88,7 +91,7 @@ class Recorder:
         self._flags = np.empty((2, CHUNK, self._rows), dtype=np.uint8)
         self._scenario = np.empty((CHUNK, self._rows), dtype=np.int32)
         self._writer: Any = None
-        self._schema = _schema()
+        self._schema = _schema().with_metadata({RECORDER: f"reality {engine}".encode()})
 
     def __enter__(self) -> Recorder:
         if self._rows:

@@ -9,6 +9,7 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from realitygap.models.table_files import RECORDER
 from realitygap.studies.blind.record import record
 from realitygap.studies.plumbing.rooms import scratch
 from tests.golden.plan import ALL, plan
@@ -27,7 +28,8 @@ def make(name: str) -> bytes:
     with scratch() as room:
         record(kept.trial, room / "run", room / "log.parquet")
         table = packed(pd.read_parquet(room / "log.parquet"), kept.columns)
-        write(table, room / "packed.parquet")
+        recorder = pq.read_schema(room / "log.parquet").metadata[RECORDER]
+        write(table, room / "packed.parquet", recorder)
         return (room / "packed.parquet").read_bytes()
 
 
@@ -42,11 +44,13 @@ def packed(log: pd.DataFrame, columns: tuple[str, ...]) -> pd.DataFrame:
     return log
 
 
-def write(table: pd.DataFrame, path: Path) -> None:
-    """As Parquet, bytes of numbers side by side."""
+def write(table: pd.DataFrame, path: Path, recorder: bytes) -> None:
+    """As Parquet, bytes of numbers side by side, with what recorded it."""
     rounded = [str(name) for name in table if table[name].dtype == np.float32]
     pq.write_table(
-        pa.Table.from_pandas(table, preserve_index=False),
+        pa.Table.from_pandas(table, preserve_index=False).replace_schema_metadata(
+            {RECORDER: recorder}
+        ),
         path,
         compression="zstd",
         compression_level=LEVEL,

@@ -48,7 +48,7 @@ def test_every_column_of_a_sample_is_what_its_name_says(tmp_path: Path) -> None:
     swarm: Any = SimpleNamespace(
         commands=np.array([[1.5, 2.5], [3.5, 4.5], [5.5, 6.5]]), generations=[], deposits=[]
     )
-    with Recorder(tmp_path, "light-at-nest", "run", ROBOTS, True) as recorder:
+    with Recorder(tmp_path, "light-at-nest", "run", ROBOTS, True, engine="pybullet") as recorder:
         recorder.sample(2, seen, swarm, 2)
         recorder.finish(swarm, PAPER)
     found = pd.read_parquet(tmp_path / "samples.parquet")
