@@ -34,6 +34,8 @@ WORTH = 0.3
 """Of the largest linear gain that a contender must promise."""
 DOSE = 0.3
 """Least multiple of a whole dose: a small share of one is no such cause."""
+MARGIN = 6.0
+"""Deviance by which something must do worse: odds of 20 to 1."""
 PRICE = 4.0
 """Deviance that each further parameter must take off: twice what one without a meaning does."""
 BETTER = 12.0
@@ -104,15 +106,14 @@ def _scope(
 ) -> tuple[int, list[Offer]] | None:
     """Where the most conspicuous thing is, and what it may be."""
     state = weighed.state
-    count = len(state.robots)
     best: tuple[int, list[Offer]] | None = None
-    for scope in ([SWARM] if count >= LEAST_SWARM else []) + list(range(count)):
+    for scope in (SWARM, *range(len(state.robots))):
         if len(state.of(scope)) >= MOST:
             continue
         taken = {_name(one.item) for one in state.of(scope)}
         listed = [
             one
-            for one in offers(weighed.score(scope), state.items, known)
+            for one in offers(weighed.score(scope), possible(state, scope), known)
             if one.gain > (gates.flexible if one.item.term is None else gates.cause)
             and _name(one.item) not in taken
             and (scope, one.item.key) not in refused
@@ -123,18 +124,35 @@ def _scope(
     return best
 
 
+def possible(state: State, scope: int) -> list[Item]:
+    """What may be the matter in a scope: what belongs to the place is everybody's alone."""
+    swarm = len(state.robots) >= LEAST_SWARM
+    return [
+        item
+        for item in state.items
+        if (scope == SWARM if _of_place(item) else scope != SWARM or swarm)
+    ]
+
+
+def _of_place(item: Item) -> bool:
+    return item.term is not None and item.term.cause.place
+
+
 def _name(item: Item) -> str:
     return item.key if item.term is None else item.term.cause.name
 
 
 def _common(weighed: Weighed, one: Offer) -> bool:
-    """Whether nearly every robot is better off with a shared item."""
+    """Whether nearly every robot is better off with a shared item, or it is shared anyway."""
+    if _of_place(one.item):
+        return True
     at = list(one.item.columns)
     gains = []
     for score in weighed.alone:
         own = score.information[np.ix_(at, at)]
-        gains.append(2.0 * one.step @ score.slope[at] - one.step @ own @ one.step)
-    return float(np.mean(np.array(gains) > 0.0)) >= 1.0 - DEVIANTS
+        if np.trace(own) > EMPTY:  # else the robot says nothing of it
+            gains.append(2.0 * one.step @ score.slope[at] - one.step @ own @ one.step)
+    return bool(gains) and float(np.mean(np.array(gains) > 0.0)) >= 1.0 - DEVIANTS
 
 
 def _chosen(weighed: Weighed, scope: int, listed: list[Offer], gates: Gates) -> list[Kept] | None:
@@ -150,12 +168,12 @@ def _chosen(weighed: Weighed, scope: int, listed: list[Offer], gates: Gates) -> 
         fit = fitted_with(fitter, terms, start, offer)
         if fit is None:
             continue
-        gain = now - fit.square - PRICE * (len(offer.step) - 1)
+        gain = now - fit.square - PRICE * (len(fit.coordinates[-1]) - 1)
         tried.append((gain, offer, fit))
     plains = [one for one in listed if one.item.term is None]
     tried.sort(key=lambda one: -one[0])
     if tried and tried[0][0] > gates.cause:
-        gain, offer, fit = tried[0]
+        gain, offer, fit = _plainest(tried)
         better = _replacing(weighed.score(scope), offer, gain, plains)
         if better is not None:
             return [*before, Kept(better, np.zeros(0))]
@@ -166,6 +184,14 @@ def _chosen(weighed: Weighed, scope: int, listed: list[Offer], gates: Gates) -> 
         linear = next(i for i in state.items if i.term == offer.item.term)
         return [*kept, Kept(linear if linear.dose is None else offer.item, next(rest))]
     return [*before, Kept(plains[0].item, np.zeros(0))] if plains else None
+
+
+def _plainest(
+    tried: Sequence[tuple[float, Offer, Refined]],
+) -> tuple[float, Offer, Refined]:
+    """Of those that do as well as the best, which is first, that with fewest parameters."""
+    close = [one for one in tried if one[0] > tried[0][0] - MARGIN]
+    return min(close, key=lambda one: len(one[2].coordinates[-1]))
 
 
 def contenders(listed: Sequence[Offer], most: float = 0.0) -> list[Offer]:

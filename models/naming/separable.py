@@ -13,6 +13,7 @@ import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.hypothesis import Term
+from realitygap.models.naming.search import possible
 from realitygap.models.naming.state import Fitter, Refined
 
 INFLATION = 20.0
@@ -37,7 +38,7 @@ def inseparable(
     alone = _left(own, given)
     names = {t.cause.name for t in terms}
     found = []
-    for item in fitter.state.items:
+    for item in possible(fitter.state, fitter.scope):
         other = item.term
         if (
             other is None

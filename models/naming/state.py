@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from realitygap.embedded_sim import Diverged
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.causes import Motion
 from realitygap.models.identify.hypothesis import Term
-from realitygap.models.identify.tracks import Rows, Tracks
+from realitygap.models.identify.tracks import Rows
 from realitygap.models.naming.columns import Item
 from realitygap.models.naming.health import Health
 from realitygap.models.naming.marginal import (
@@ -27,7 +26,7 @@ from realitygap.models.naming.marginal import (
     root_of,
     shared,
 )
-from realitygap.models.naming.robot import Robot, moved
+from realitygap.models.naming.subject import Subject
 
 SWARM = -1
 """Scope of what all robots share; others are indices of robots."""
@@ -63,18 +62,19 @@ class Refined(NamedTuple):
 class State:
     """Everything believed of a log."""
 
-    tracks: Tracks
-    base: tuple[Motion, ...]
-    """(robots,) healthy."""
-    robots: tuple[Robot, ...]
-    """At their motions with every cause kept."""
+    tracks: Any
+    """The log, cut as its channels ask: `Tracks` or `Sight`."""
+    base: tuple[Any, ...]
+    """(robots,) what is believed of healthy ones: `Motion` or `Belief`."""
+    robots: tuple[Subject, ...]
+    """With every cause kept."""
     health: Health
     kept: dict[int, tuple[Kept, ...]] = field(default_factory=dict)
     """By scope."""
 
     @property
     def items(self) -> tuple[Item, ...]:
-        return self.robots[0].made.items
+        return self.robots[0].items
 
     def of(self, scope: int) -> tuple[Kept, ...]:
         return self.kept.get(scope, ())
@@ -83,14 +83,13 @@ class State:
         """Robots of a scope."""
         return list(range(len(self.robots))) if scope == SWARM else [scope]
 
-    def motion(self, k: int, own: dict[int, Sequence[Kept]]) -> Motion:
-        """A robot's motion with what is kept, some scopes replaced."""
+    def motion(self, k: int, own: dict[int, Sequence[Kept]]) -> Any:
+        """What is believed of a robot with what is kept, some scopes replaced."""
         motion = self.base[k]
         for scope in (SWARM, k):
             for one in own.get(scope, self.of(scope)):
                 if one.item.term is not None:
-                    cause, variant = one.item.term
-                    motion = cause.applied(motion, one.coordinates, variant)
+                    motion = self.robots[k].applied(motion, one.item.term, one.coordinates)
         return motion
 
 
@@ -99,7 +98,7 @@ class Weighed:
 
     def __init__(self, state: State) -> None:
         self.state = state
-        names = state.robots[0].made.names
+        names = state.robots[0].names
         self.prior, self._shared = state.health.on(names)
         self.alone = [self._alone(k) for k in range(len(state.robots))]
         self.free = self._columns(SWARM)
@@ -165,7 +164,7 @@ class Weighed:
         errors = robot.own_errors
         score = integrated(
             robot.information,
-            robot.columns.T @ errors,
+            robot.pulled(errors[:, None])[0],
             float(errors @ errors),
             self.prior_of(k),
         )
@@ -182,7 +181,7 @@ def _feigning(prior: Prior, state: State, k: int) -> Prior:
     ]
     if not rough:
         return prior
-    names = state.robots[k].made.names
+    names = state.robots[k].names
     extra = np.zeros(len(prior.at))
     for cause in rough:
         for i, c in enumerate(prior.at):
@@ -280,7 +279,18 @@ class Fitter:
         for k in self.members:
             robot = self.state.robots[k]
             errors = robot.errors(self._motion(k, terms, sizes, here))
-            found.append((errors.reshape(len(robot.tracks.first), -1) ** 2).sum(axis=1))
+            found.append(robot.by_window(errors**2))
+        return np.concatenate(found)
+
+    def by_block(self, windows: FloatArray) -> FloatArray:
+        """(blocks,) sums of (windows,) numbers, member after member."""
+        found, begin = [], 0
+        for k in self.members:
+            block = self.state.robots[k].block
+            some = block >= 0
+            mine = windows[begin : begin + len(block)]
+            found.append(np.bincount(block[some], mine[some]))
+            begin += len(block)
         return np.concatenate(found)
 
     def held_out(
@@ -296,13 +306,11 @@ class Fitter:
         folds = np.zeros((FOLDS, 3))
         for k in self.members:
             robot = self.state.robots[k]
-            count = len(robot.tracks.first)
             without = robot.errors(self._motion(k, rest, sizes, here))
             change = without - robot.errors(self._motion(k, terms, whole, full))
-            fold = robot.tracks.block % FOLDS
+            fold = robot.block % FOLDS
             for i, (a, b) in enumerate(((without, without), (without, change), (change, change))):
-                each = (a * b).reshape(count, -1).sum(axis=1)
-                folds[:, i] += np.bincount(fold, each, FOLDS)
+                folds[:, i] += np.bincount(fold, robot.by_window(a * b), FOLDS)
         square, pull, own = folds.T
         dose = (pull.sum() - pull) / np.maximum(own.sum() - own, EMPTY)
         return float((2.0 * dose * pull - dose**2 * own).sum() / max(square.sum(), EMPTY))
@@ -337,20 +345,14 @@ class Fitter:
 
     def by_run(self, column: int) -> FloatArray:
         """(rows, runs) a white column in each run alone."""
-        parts = []
-        for k in self.members:
-            robot = self.state.robots[k]
-            tracks = robot.tracks
-            run = tracks.row_segment[tracks.rows[tracks.first]]
-            white = robot.columns[:, column].reshape(len(run), -1)
-            parts.append([np.where((run == one)[:, None], white, 0.0) for one in np.unique(run)])
+        parts = [self.state.robots[k].by_run(column) for k in self.members]
         rows = sum(part[0].size for part in parts)
         each = sum(len(part) for part in parts)
         whole = np.zeros((rows, each))
         begin = at = 0
         for part in parts:
             for one in part:
-                whole[begin : begin + one.size, at] = one.ravel()
+                whole[begin : begin + one.size, at] = one
                 at += 1
             begin += part[0].size
         return whole
@@ -366,19 +368,22 @@ class Fitter:
         """Of the causes' coordinates, everything else integrated or fitted."""
         found = []
         p = len(here)
+        bends = [t.cause.bends for t in terms for _ in t.cause.parameters]
         for k in self.members:
             robot = self.state.robots[k]
             try:
                 errors = robot.errors(self._motion(k, terms, sizes, here))
-                own = np.empty((len(errors), p))
-                for i in range(p):
-                    there = here.copy()
-                    there[i] += steps[i]
-                    own[:, i] = (
-                        (errors - robot.errors(self._motion(k, terms, sizes, there))) / steps[i]
-                        if smooth[i]
-                        else 0.0
-                    )
+                own = np.zeros((len(errors), p))
+                for i in np.flatnonzero(smooth):
+                    ahead, back = here.copy(), here.copy()
+                    ahead[i] += steps[i]
+                    before, span = errors, steps[i]
+                    if bends[i]:
+                        back[i] -= steps[i]
+                        before = robot.errors(self._motion(k, terms, sizes, back))
+                        span = 2.0 * steps[i]
+                    after = robot.errors(self._motion(k, terms, sizes, ahead))
+                    own[:, i] = (before - after) / span
             except Diverged:
                 return None
             found.append(self._with(k, robot, own, errors))
@@ -391,15 +396,15 @@ class Fitter:
         whole = freed(whole, p + self.flexible)
         return Score(whole.information[:p, :p], whole.slope[:p], whole.square)
 
-    def _with(self, k: int, robot: Robot, own: FloatArray, errors: FloatArray) -> Score:
+    def _with(self, k: int, robot: Subject, own: FloatArray, errors: FloatArray) -> Score:
         """A robot's score of some more columns before its own."""
-        p, many = own.shape[1], robot.columns.shape[1]
+        p, many = own.shape[1], len(robot.names)
         info = np.empty((p + many, p + many))
         info[:p, :p] = own.T @ own
-        info[:p, p:] = own.T @ robot.columns
+        info[:p, p:] = robot.pulled(own)
         info[p:, :p] = info[:p, p:].T
         info[p:, p:] = robot.information
-        slope = np.concatenate([own.T @ errors, robot.columns.T @ errors])
+        slope = np.concatenate([own.T @ errors, robot.pulled(errors[:, None])[0]])
         prior = self.priors[k]
         return self._free(
             integrated(info, slope, float(errors @ errors), prior._replace(at=prior.at + p)), k, p
@@ -411,20 +416,18 @@ class Fitter:
             return score
         return freed(score, p + self.weighed.fitted(k))
 
-    def _motion(
-        self, k: int, terms: Sequence[Term], sizes: Sequence[int], here: FloatArray
-    ) -> Motion:
+    def _motion(self, k: int, terms: Sequence[Term], sizes: Sequence[int], here: FloatArray) -> Any:
         parts = np.split(here, np.cumsum(sizes)[:-1]) if len(terms) else []
         motion = self.state.base[k]
         for scope in (SWARM, k):
             if scope == self.scope:
                 for term, values in zip(terms, parts, strict=True):
-                    motion = term.cause.applied(motion, values, term.variant)
+                    motion = self.state.robots[k].applied(motion, term, values)
             else:
                 for one in self.state.of(scope):
                     if one.item.term is not None:
-                        cause, variant = one.item.term
-                        motion = cause.applied(motion, one.coordinates, variant)
+                        robot = self.state.robots[k]
+                        motion = robot.applied(motion, one.item.term, one.coordinates)
         return motion
 
 
@@ -442,5 +445,5 @@ def with_kept(state: State, scope: int, kept: Sequence[Kept]) -> State:
     for k, robot in enumerate(state.robots):
         motion = changed.motion(k, {})
         there = k in members and motion is not robot.motion
-        robots.append(moved(robot, motion, state.tracks.commands) if there else robot)
+        robots.append(robot.moved(motion, state.tracks) if there else robot)
     return replace(changed, robots=tuple(robots))

@@ -11,7 +11,7 @@ import pytest
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.tracks import BLOCK_WINDOWS
 from realitygap.models.identify.value import values
-from realitygap.models.naming.identify import _margin
+from realitygap.models.naming.verdict import _margin
 from realitygap.models.senses import diagnose as sense_diagnosis
 from realitygap.models.senses import naming, select
 from realitygap.models.senses.causes import sense_causes

@@ -21,7 +21,7 @@ CAUSE = SenseCause(
         Parameter(name="scale", unit="1", null=1.0, low=0.01, high=100.0, step=0.01, link="factor"),
     ),
     sense=_sense,
-    kind="direct",
+    kind="noise",
     columns=PS,
     experiment="face-to-face",
 )
