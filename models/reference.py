@@ -111,9 +111,15 @@ class Spreads(Finite):
     def knows(self, names: Iterable[str]) -> npt.NDArray[np.bool_]:
         """Which coefficients were measured in healthy robots; all, where health is not asked for.
 
-        Whole doses (`models.naming.columns`) have no coefficient: healthy robots have none.
+        A whole dose (`models.naming.columns`) is known where its term's coefficients are; a term
+        that has none, such as a limit, is: healthy robots show nothing of it.
         """
-        return np.array([not self.robots or "@" in n or n in self.columns for n in names])
+        listed = list(names)
+        unknown = {n.partition(".")[0] for n in listed if "@" not in n and n not in self.columns}
+        known = [
+            n.partition("@")[0] not in unknown if "@" in n else n in self.columns for n in listed
+        ]
+        return np.array([not self.robots or one for one in known])
 
     def knows_flexible(self, key: str) -> bool:
         """Whether what a channel gets for a quantity was measured."""

@@ -9,6 +9,10 @@ import signal
 # Set before anything loads a library that reads it.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+# A busy machine is no broken connection.
+os.environ.setdefault("DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT", "300s")
+os.environ.setdefault("DASK_DISTRIBUTED__COMM__TIMEOUTS__TCP", "300s")
+
 from hypothesis import settings
 
 # A shell lets what it runs in the background ignore interrupts, `nohup` hang-ups, and both every

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import log_ndtr
@@ -12,6 +13,7 @@ from realitygap.models.causes import Motion
 from realitygap.models.identify.fitted import Fitted, Key
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.identify.value import Value
+from realitygap.models.naming.everywhere import Where
 
 Robots = tuple[int, ...]
 
@@ -86,12 +88,22 @@ class Follows:
     """Of their squared errors."""
 
 
+class Uneven(NamedTuple):
+    """A cause that was refused, for it would have to be of different sizes in parts of the log."""
+
+    term: Term
+    robots: Robots
+    whole_swarm: bool
+    where: Where
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Identified:
     """What was found in one log."""
 
     named: tuple[Named, ...]
     follows: tuple[Follows, ...]
+    uneven: tuple[Uneven, ...]
     base: tuple[Motion, ...]
     """(robots,) healthy motion of each robot."""
     explained: tuple[Motion, ...]

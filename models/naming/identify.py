@@ -17,14 +17,17 @@ from realitygap.models.identify.tracks import Tracks
 from realitygap.models.identify.twins import Twins, tell_apart
 from realitygap.models.identify.value import Value, told, values
 from realitygap.models.naming.columns import Mask
-from realitygap.models.naming.findings import Follows, Identified, Named
+from realitygap.models.naming.everywhere import uneven
+from realitygap.models.naming.findings import Follows, Identified, Named, Uneven
+from realitygap.models.naming.fitter import Fitter
 from realitygap.models.naming.robot import robots_of
 from realitygap.models.naming.search import search
 from realitygap.models.naming.seen import away, least_seen
-from realitygap.models.naming.state import SWARM, Fitter, State, Weighed
+from realitygap.models.naming.state import SWARM, State, refusing, with_kept
 from realitygap.models.naming.threads import one_thread
-from realitygap.models.naming.verdict import Judged, evidence_of, following, judge, settle, standing
-from realitygap.models.reference import Reference
+from realitygap.models.naming.verdict import Judged, evidence_of, following, settle, standing
+from realitygap.models.naming.weighed import Weighed
+from realitygap.models.reference import Gates, Reference
 
 
 @one_thread
@@ -68,13 +71,12 @@ def _of_free(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
     names = start.robots[0].names
     known = reference.knows(names)
     gates = reference.gates.of(len(tracks.first))
-    state = settle(search(start, gates, known), gates, known)
+    state, judged, strange = _even(start, gates, known)
     found: list[Named] = []
     follows: list[Follows] = []
     fits: list[Fitted] = []
-    for scope in sorted(state.kept):
-        state, judged = judge(state, scope, gates)
-        own, left, fit = _told(state, scope, judged, reference, known)
+    for scope in sorted(judged):
+        own, left, fit = _told(state, scope, judged[scope], reference, known)
         found += own
         follows += left
         fits += [fit] if fit is not None else []
@@ -82,12 +84,34 @@ def _of_free(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
     return Identified(
         named=tuple(standing(found, follows)),
         follows=tuple(follows),
+        uneven=tuple(strange),
         base=base,
         explained=tuple(state.motion(k, {}) for k in range(len(base))),
         fits=tuple(fits),
         away=away(weighed),
         least=least_seen(weighed, gates, known),
     )
+
+
+def _even(state: State, gates: Gates, known: Mask) -> tuple[State, dict[int, Judged], list[Uneven]]:
+    """What stands after all causes that are of different sizes in parts of the log are refused."""
+    strange: list[Uneven] = []
+    while True:  # every round refuses a cause in a scope, of which there are finitely many
+        state, judged = settle(search(state, gates, known), gates, known)
+        found = []
+        for scope, one in judged.items():
+            fitter = Fitter(Weighed(state), scope)
+            robots = tuple(state.tracks.robots[k] for k in state.members(scope))
+            for term in one.terms:
+                where = uneven(fitter, one.terms, one.fit.coordinates, term)
+                if where is not None:
+                    found.append((scope, Uneven(term, robots, scope == SWARM, where)))
+        if not found:
+            return state, judged, strange
+        scope, worst = max(found, key=lambda each: each[1].where.gain)
+        strange.append(worst)
+        kept = [one for one in state.of(scope) if one.item.term != worst.term]
+        state = refusing(with_kept(state, scope, kept), scope, worst.term.key)
 
 
 def _told(

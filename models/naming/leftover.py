@@ -9,7 +9,7 @@ from realitygap.models.identify.fit import Problem
 from realitygap.models.identify.parts import PARTS
 from realitygap.models.identify.tracks import Tracks
 from realitygap.models.identify.wild import Wild, wild
-from realitygap.models.naming.findings import Follows, Identified
+from realitygap.models.naming.findings import Follows, Identified, Uneven
 from realitygap.models.naming.flexible import CHANNELS, QUANTITIES
 
 
@@ -24,6 +24,7 @@ def leftover(tracks: Tracks, found: Identified) -> tuple[Unexplained, ...]:
         found: What was named, and what follows what.
     """
     said = [_said(one) for one in found.follows if one.whole_swarm]
+    said = said or [_uneven(one) for one in found.uneven if one.whole_swarm]
     if said:
         return tuple(said)
     for k in np.unique(tracks.robot).tolist():  # the others were never free
@@ -34,6 +35,9 @@ def leftover(tracks: Tracks, found: Identified) -> tuple[Unexplained, ...]:
             said.append(_set_aside(aside, robot))
         elif own:
             said.append(_said(max(own, key=lambda one: one.distance)))
+        else:
+            strange = [o for o in found.uneven if o.robots == (robot,) and not o.whole_swarm]
+            said += [_uneven(max(strange, key=lambda one: one.where.gain))] if strange else []
     return tuple(said)
 
 
@@ -45,6 +49,18 @@ def _said(one: Follows) -> Unexplained:
         quantity=one.quantity,
         robots="all" if one.whole_swarm else one.robots,
         distance=one.distance,
+    )
+
+
+def _uneven(one: Uneven) -> Unexplained:
+    return Unexplained(
+        channel="motion",
+        share=one.where.share,
+        where=f"as if its {one.term.cause.name} were {1.0 + one.where.more:.1f} times as large "
+        f"{PARTS[one.where.part]} as elsewhere",
+        quantity=one.where.part,
+        robots="all" if one.whole_swarm else one.robots,
+        distance=float(np.sqrt(one.where.gain)),
     )
 
 

@@ -14,11 +14,13 @@ from realitygap.models.identify.fit import Problem
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.identify.inherent import INHERENT
 from realitygap.models.identify.tracks import Tracks
+from realitygap.models.naming.fitter import Fitter
 from realitygap.models.naming.health import Health, Told, farthest, healthy
 from realitygap.models.naming.robot import robots_of
-from realitygap.models.naming.state import SWARM, Fitter, State, Weighed
+from realitygap.models.naming.state import SWARM, State
 from realitygap.models.naming.subject import Subject
 from realitygap.models.naming.threads import one_thread
+from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Column, Gates, Reference
 
 STARTS = ((0.0, 0.0, -0.005, 0.009, -0.2, 0.0), (0.0, 0.0, 0.02, 0.05, -0.5, 0.0))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,16 +11,10 @@ import numpy as np
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.naming.columns import Item, Mask
+from realitygap.models.naming.fitter import Fitter, Refined
 from realitygap.models.naming.marginal import EMPTY, Score, freed
-from realitygap.models.naming.state import (
-    SWARM,
-    Fitter,
-    Kept,
-    Refined,
-    State,
-    Weighed,
-    with_kept,
-)
+from realitygap.models.naming.state import SWARM, Kept, State, refusing, with_kept
+from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates
 
 MOST = 4
@@ -86,24 +81,21 @@ def offers(score: Score, items: Sequence[Item], known: Mask) -> list[Offer]:
 
 def search(state: State, gates: Gates, known: Mask) -> State:
     """Everything that is the matter."""
-    refused: set[tuple[int, str]] = set()
-    for _ in range(40):
+    before = state.refused
+    while True:  # every round keeps an item, of which a scope has few, or refuses one
         weighed = Weighed(state)
-        best = _scope(weighed, gates, known, refused)
+        best = _scope(weighed, gates, known)
         if best is None:
-            return state
+            return replace(state, refused=before)
         scope, listed = best
         found = _chosen(weighed, scope, listed, gates)
         if found is None:
-            refused.add((scope, listed[0].item.key))
-            continue
-        state = with_kept(state, scope, found)
-    return state
+            state = refusing(state, scope, listed[0].item.key)
+        else:
+            state = with_kept(state, scope, found)
 
 
-def _scope(
-    weighed: Weighed, gates: Gates, known: Mask, refused: set[tuple[int, str]]
-) -> tuple[int, list[Offer]] | None:
+def _scope(weighed: Weighed, gates: Gates, known: Mask) -> tuple[int, list[Offer]] | None:
     """Where the most conspicuous thing is, and what it may be."""
     state = weighed.state
     best: tuple[int, list[Offer]] | None = None
@@ -116,7 +108,7 @@ def _scope(
             for one in offers(weighed.score(scope), possible(state, scope), known)
             if one.gain > (gates.flexible if one.item.term is None else gates.cause)
             and _name(one.item) not in taken
-            and (scope, one.item.key) not in refused
+            and (scope, one.item.key) not in state.refused
             and (scope != SWARM or _common(weighed, one))
         ]
         if listed and (best is None or listed[0].gain > best[1][0].gain):

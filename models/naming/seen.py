@@ -12,7 +12,8 @@ import numpy as np
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.naming.columns import Mask
 from realitygap.models.naming.marginal import EMPTY
-from realitygap.models.naming.state import SWARM, Weighed
+from realitygap.models.naming.state import SWARM
+from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates
 
 SURELY = 1.645

@@ -13,8 +13,8 @@ import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.hypothesis import Term
+from realitygap.models.naming.fitter import Fitter, Refined
 from realitygap.models.naming.search import possible
-from realitygap.models.naming.state import Fitter, Refined
 
 INFLATION = 20.0
 """Factor on a term's variance at which the other may stand in its place: a correlation of 0.975.

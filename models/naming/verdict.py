@@ -12,6 +12,7 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.naming.columns import Mask
 from realitygap.models.naming.findings import Evidence, Follows, Named
+from realitygap.models.naming.fitter import Fitter, Refined
 from realitygap.models.naming.marginal import freed
 from realitygap.models.naming.search import (
     MARGIN,
@@ -23,7 +24,8 @@ from realitygap.models.naming.search import (
     search,
 )
 from realitygap.models.naming.separable import inseparable
-from realitygap.models.naming.state import SWARM, Fitter, Kept, Refined, State, Weighed, with_kept
+from realitygap.models.naming.state import SWARM, Kept, State, with_kept
+from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates
 
 ERRORS = 3.0
@@ -48,21 +50,21 @@ class Judged(NamedTuple):
     gains: tuple[float, ...]
 
 
-def settle(state: State, gates: Gates, known: Mask) -> State:
-    """The state, searched again where a cause taken early turned out to be superfluous: what was
-    taken beside it answered to what it left."""
-    for _ in range(AGAIN):
-        misled = False
+def settle(state: State, gates: Gates, known: Mask) -> tuple[State, dict[int, Judged]]:
+    """The state with its causes judged, searched again where one taken early turned out to be
+    superfluous: what was taken beside it answered to what it left."""
+    for again in reversed(range(AGAIN + 1)):
+        misled, found = False, {}
         for scope in sorted(state.kept):
             before = sum(one.item.term is not None for one in state.of(scope))
-            state, judged = judge(state, scope, gates)
-            if len(judged.terms) < before:
+            state, found[scope] = judge(state, scope, gates)
+            if len(found[scope].terms) < before and again:
                 causes = [one for one in state.of(scope) if one.item.term is not None]
                 state, misled = with_kept(state, scope, causes), True
         if not misled:
             break
         state = search(state, gates, known)
-    return state
+    return state, found
 
 
 def judge(state: State, scope: int, gates: Gates) -> tuple[State, Judged]:

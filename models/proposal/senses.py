@@ -12,7 +12,9 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.naming.columns import Item
 from realitygap.models.naming.findings import Named
-from realitygap.models.naming.state import SWARM, Fitter, Weighed
+from realitygap.models.naming.fitter import Fitter
+from realitygap.models.naming.state import SWARM
+from realitygap.models.naming.weighed import Weighed
 from realitygap.models.proposal.menu import Flight, Proposal, distance, flights, ranked
 from realitygap.models.senses.cause import Belief, SenseCause
 from realitygap.models.senses.diagnose import SenseExamination

@@ -14,12 +14,14 @@ from realitygap.models.identify.hypothesis import Term
 from realitygap.models.identify.value import values
 from realitygap.models.naming.columns import Mask
 from realitygap.models.naming.findings import Follows, Named
+from realitygap.models.naming.fitter import Fitter
 from realitygap.models.naming.search import LEAST_SWARM, search
 from realitygap.models.naming.seen import away, least_seen
-from realitygap.models.naming.state import SWARM, Fitter, State, Weighed
+from realitygap.models.naming.state import SWARM, State
 from realitygap.models.naming.subject import Subject
 from realitygap.models.naming.threads import one_thread
-from realitygap.models.naming.verdict import Judged, evidence_of, following, judge, settle, standing
+from realitygap.models.naming.verdict import Judged, evidence_of, following, settle, standing
+from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates
 from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.reference import SenseReference
@@ -61,13 +63,10 @@ def identify(log: SenseLog, reference: SenseReference, believed: Sequence[Belief
     known = reference.knows(start.robots[0].names)
     windows = sum(one.learned for one in robots)
     gates = reference.gates.of(windows) if windows else reference.gates
-    state = settle(search(start, gates, known), gates, known)
+    state, found = settle(search(start, gates, known), gates, known)
     named: list[Named] = []
     follows: list[Follows] = []
-    found: dict[int, Judged] = {}
-    for scope in sorted(state.kept):
-        state, judged = judge(state, scope, gates)
-        found[scope] = judged
+    for scope, judged in sorted(found.items()):
         follows += following(Weighed(state), scope, sum(judged.gains), gates)
         named += _named(state, scope, judged, known)
     weighed = Weighed(state)

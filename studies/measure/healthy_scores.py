@@ -23,7 +23,8 @@ from realitygap.models.identify.tracks import cut_tracks
 from realitygap.models.modelfile import ModelFile, read_model_file
 from realitygap.models.naming.robot import robots_of
 from realitygap.models.naming.seen import scores
-from realitygap.models.naming.state import State, Weighed
+from realitygap.models.naming.state import State
+from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Reference, shipped_reference
 from realitygap.studies.inputs.logs import read_logs
 from realitygap.studies.plumbing.output import whole_file

@@ -12,7 +12,8 @@ from realitygap.models.identify.tracks import TURNED
 from realitygap.models.naming.measured import NOBODY
 from realitygap.models.naming.robot import robots_of
 from realitygap.models.naming.seen import away
-from realitygap.models.naming.state import State, Weighed
+from realitygap.models.naming.state import State
+from realitygap.models.naming.weighed import Weighed
 from tests.models.small import random_commands
 from tests.models.test_identify import HEALTHY, diagnosed, names, table, tracks
 

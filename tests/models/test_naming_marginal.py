@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.naming.fitter import Fitter
 from realitygap.models.naming.health import Health
 from realitygap.models.naming.marginal import (
     FLAT,
@@ -19,7 +20,8 @@ from realitygap.models.naming.marginal import (
     root_of,
     shared,
 )
-from realitygap.models.naming.state import SWARM, Fitter, Kept, Weighed
+from realitygap.models.naming.state import SWARM, Kept
+from realitygap.models.naming.weighed import Weighed
 from tests.models.linear import cause, flexible, item, sound, state_of
 
 QUIET = settings(deadline=None, derandomize=True, max_examples=40)

@@ -15,12 +15,14 @@ from realitygap.models.identify.threshold import POSSIBLE, bracket
 from realitygap.models.naming import identify
 from realitygap.models.naming.columns import Item
 from realitygap.models.naming.findings import Follows, Named
+from realitygap.models.naming.fitter import Fitter
 from realitygap.models.naming.health import Health
 from realitygap.models.naming.marginal import Score
 from realitygap.models.naming.search import PRICE, _replacing, contenders, offers, search
 from realitygap.models.naming.seen import away, least_seen
 from realitygap.models.naming.separable import inseparable
-from realitygap.models.naming.state import SWARM, Fitter, Kept, State, Weighed
+from realitygap.models.naming.state import SWARM, Kept, State
+from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates
 from tests.models.linear import cause, flexible, item, linear, name_of, sound, state_of
 

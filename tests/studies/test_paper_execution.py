@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -207,6 +208,7 @@ def cluster() -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
     port = _free_port()
     address = f"tcp://127.0.0.1:{port}"
     scheduler = _dask("scheduler", "--port", str(port))
+    _wait_for(port)
     workers = [_dask("worker", address, "--nthreads", "1", "--no-nanny") for _ in range(2)]
     try:
         with Client(address, timeout=300, set_as_default=False) as client:
@@ -222,6 +224,21 @@ def _dask(what: str, *words: str) -> subprocess.Popen[bytes]:
     module = f"distributed.cli.dask_{what}"
     command = [sys.executable, "-m", module, *words, "--host", "127.0.0.1", "--no-dashboard"]
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def _wait_for(port: int) -> None:
+    """Until something listens there: who comes too early is cut off while a scheduler starts."""
+    import socket
+
+    until = time.monotonic() + 300.0
+    while True:
+        try:
+            socket.create_connection(("127.0.0.1", port), 300.0).close()
+        except OSError:
+            assert time.monotonic() < until, "no scheduler"
+            time.sleep(0.1)
+        else:
+            return
 
 
 def _free_port() -> int:

@@ -1,0 +1,85 @@
+"""Whether a cause is of one size wherever the robot is and whatever it does.
+
+A wheel that is 2 % too large is so in fast motion and in slow, early and late. What only stands in
+for something unknown is not: a carpet on half of the floor, taken for smaller wheels, is much there
+and nothing elsewhere. A cause's size may differ between the parts of a log
+(`models.identify.parts`) only by as much as chance explains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.stats import chi2
+
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.parts import PARTS, parts
+from realitygap.models.naming.fitter import Fitter
+from realitygap.models.naming.marginal import EMPTY
+from realitygap.models.naming.separable import INFLATION
+
+CHANCE = 1e-4
+"""Of a true cause's failing by chance in any part of a log. Our choice: a hundred names a day for
+three months."""
+GATE = float(chi2.isf(CHANCE / len(PARTS), 1))
+"""Deviance that a size of its own in one part must take off."""
+DIFFERENT = 1.0 / 3.0
+"""Of a cause's size by which parts must differ: no model of a cause is exact. Our choice; causes
+that were there differed by at most 0.15 where it could be told."""
+
+SHARE = 0.05
+"""Of what a cause changes that must lie in a part, and outside it: where next to nothing of it can
+be seen, any error looks like a large multiple of it. Our choice."""
+
+
+class Where(NamedTuple):
+    """Where a cause is of another size than elsewhere."""
+
+    part: str
+    """Of `models.identify.parts.PARTS`."""
+    more: float
+    """By which it is larger there than elsewhere, in its own size."""
+    gain: float
+    """Deviance that a size of its own takes off there."""
+    share: float
+    """Of the deviance that the causes leave."""
+
+
+def uneven(
+    fitter: Fitter, terms: Sequence[Term], coordinates: Sequence[FloatArray], term: Term
+) -> Where | None:
+    """Where a cause's size differs most clearly; None: it is of one size everywhere.
+
+    Args:
+        fitter: Of the robots concerned.
+        terms: Causes fitted together.
+        coordinates: Their values.
+        term: One of them.
+    """
+    own, _ = fitter.changes(terms, coordinates, term)
+    inside = parts(fitter.state.tracks.only(fitter.members))
+    names = list(inside)
+    columns, begin, first = [], 0, 0
+    for k in fitter.members:
+        robot = fitter.state.robots[k]
+        windows, rows = len(robot.block), len(robot.own_errors)
+        there = np.array([inside[name][first : first + windows] for name in names])
+        each = np.repeat(there, rows // windows, axis=1).T
+        columns.append(each * own[begin : begin + rows, None])
+        begin, first = begin + rows, first + windows
+    score = fitter.beside(terms, coordinates, columns)
+    size = np.diag(score.information)
+    alone = np.sum([np.sum(one**2, axis=0) for one in columns], axis=0)
+    whole = float(own @ own)
+    told = (np.minimum(alone, whole - alone) > SHARE * whole) & (size * INFLATION > alone + EMPTY)
+    more = np.where(told, score.slope / np.where(told, size, 1.0), 0.0)
+    gain = more * score.slope
+    clear = (gain > GATE) & (np.abs(more) > DIFFERENT)
+    if not clear.any():
+        return None
+    worst = int(np.argmax(np.where(clear, gain, 0.0)))
+    most = float(gain[worst])
+    return Where(names[worst], float(more[worst]), most, most / max(score.square, most))
