@@ -24,10 +24,7 @@ from realitygap.models.naming.separable import inseparable
 from realitygap.models.naming.state import SWARM, Kept, State
 from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates
-from tests.models.linear import cause, flexible, item, linear, name_of, sound, state_of
-
-__all__ = ["linear"]
-pytestmark = pytest.mark.usefixtures("linear")
+from tests.models.linear import cause, flexible, item, name_of, sound, state_of
 
 A, B, C = cause("a"), cause("b"), cause("c")
 GATES = Gates()
