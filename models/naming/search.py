@@ -39,6 +39,8 @@ ALMOST = 0.06
 """Of a cause's gain by which the same: no model of a cause is exact,"""
 ROUGH = 0.1
 """and those of transients are rough."""
+SAME = 1e-6
+"""Of a column's information, what is left of it beside another that is the same."""
 LEFT = 0.25
 """Of a cause's gain, most that it may still take off beside the plain."""
 
@@ -117,13 +119,16 @@ def _scope(weighed: Weighed, gates: Gates, known: Mask) -> tuple[int, list[Offer
 
 
 def possible(state: State, scope: int) -> list[Item]:
-    """What may be the matter in a scope: what belongs to the place is everybody's alone."""
-    swarm = len(state.robots) >= LEAST_SWARM
-    return [
-        item
-        for item in state.items
-        if (scope == SWARM if _of_place(item) else scope != SWARM or swarm)
-    ]
+    """What may be the matter in a scope: what belongs to the place is everybody's alone.
+
+    Of one robot by itself everything is everybody's, where something belongs to the place: else a
+    lamp and its sensors would not be rivals.
+    """
+    alone = len(state.robots) == 1 and any(_of_place(item) for item in state.items)
+    swarm = alone or len(state.robots) >= LEAST_SWARM
+    if scope == SWARM:
+        return [item for item in state.items if swarm or _of_place(item)]
+    return [] if alone else [item for item in state.items if not _of_place(item)]
 
 
 def _of_place(item: Item) -> bool:
@@ -140,9 +145,9 @@ def _common(weighed: Weighed, one: Offer) -> bool:
         return True
     at = list(one.item.columns)
     gains = []
-    for score in weighed.alone:
+    for robot, score in zip(weighed.state.robots, weighed.alone, strict=True):
         own = score.information[np.ix_(at, at)]
-        if np.trace(own) > EMPTY:  # else the robot says nothing of it
+        if np.diag(robot.information)[at].any():  # else it says nothing of the item
             gains.append(2.0 * one.step @ score.slope[at] - one.step @ own @ one.step)
     return bool(gains) and float(np.mean(np.array(gains) > 0.0)) >= 1.0 - DEVIANTS
 
@@ -166,7 +171,8 @@ def _chosen(weighed: Weighed, scope: int, listed: list[Offer], gates: Gates) -> 
     tried.sort(key=lambda one: -one[0])
     if tried and tried[0][0] > gates.cause:
         gain, offer, fit = _plainest(tried)
-        better = _replacing(weighed.score(scope), offer, gain, plains)
+        bare = _bare(state, scope)
+        better = _replacing(weighed.score(scope), offer, gain, plains, bare)
         if better is not None:
             return [*before, Kept(better, np.zeros(0))]
         rest = iter(fit.coordinates)
@@ -175,7 +181,7 @@ def _chosen(weighed: Weighed, scope: int, listed: list[Offer], gates: Gates) -> 
         ]
         linear = next(i for i in state.items if i.term == offer.item.term)
         return [*kept, Kept(linear if linear.dose is None else offer.item, next(rest))]
-    return [*before, Kept(plains[0].item, np.zeros(0))] if plains else None
+    return [*before, Kept(_steadiest(plains).item, np.zeros(0))] if plains else None
 
 
 def _plainest(
@@ -184,6 +190,14 @@ def _plainest(
     """Of those that do as well as the best, which is first, that with fewest parameters."""
     close = [one for one in tried if one[0] > tried[0][0] - MARGIN]
     return min(close, key=lambda one: len(one[2].coordinates[-1]))
+
+
+def _steadiest(plains: Sequence[Offer]) -> Offer:
+    """The best of what follows something, best first; or what follows nothing, if it does nearly as
+    well."""
+    least = (1.0 - ALMOST) * plains[0].gain
+    steady = [one for one in plains if _follows_nothing(one.item)]
+    return next((one for one in steady if one.gain > least), plains[0])
 
 
 def contenders(listed: Sequence[Offer], most: float = 0.0) -> list[Offer]:
@@ -224,7 +238,28 @@ def _wrong_sign(term: Term, coordinates: FloatArray) -> bool:
     return bool((np.array([p.sign for p in term.cause.parameters]) * coordinates < 0.0).any())
 
 
-def _replacing(score: Score, offer: Offer, gain: float, plains: Sequence[Offer]) -> Item | None:
+def _bare(state: State, scope: int) -> FloatArray:
+    """(k,) information of single columns that health knows; the others are free anyway."""
+    names = state.robots[0].names
+    bare = np.sum([np.diag(state.robots[k].information) for k in state.members(scope)], axis=0)
+    return np.asarray(np.where(["@" in name for name in names], 0.0, bare))
+
+
+def _follows_nothing(item: Item) -> bool:
+    return item.columns == (item.always,)
+
+
+def _tells(score: Score, bare: FloatArray, item: Item) -> bool:
+    """Whether a channel's steady change is something else than what is fitted already."""
+    if _follows_nothing(item):
+        return False
+    at = item.always
+    return bare[at] == 0.0 or float(score.information[at, at]) > SAME * float(bare[at])
+
+
+def _replacing(
+    score: Score, offer: Offer, gain: float, plains: Sequence[Offer], bare: FloatArray
+) -> Item | None:
     """What follows a quantity, does better than a cause and leaves it little; None: nothing.
 
     What follows a quantity also has a mean, which a cause would take for its own: its channel's
@@ -233,12 +268,14 @@ def _replacing(score: Score, offer: Offer, gain: float, plains: Sequence[Offer])
     rough = ROUGH if offer.item.of.cause.feigns else ALMOST
     best, most = None, gain + max(BETTER, rough * gain)
     at = list(offer.item.columns)
-    for one in plains:
-        item = one.item._replace(columns=(*one.item.columns, one.item.always))
+    steady = [one for one in plains if _follows_nothing(one.item)]
+    for one in (*steady, *(one for one in plains if one not in steady)):
+        mean = (one.item.always,) if _tells(score, bare, one.item) else ()
+        item = one.item._replace(columns=(*one.item.columns, *mean))
         rest = freed(score, np.array(item.columns))
         told = score.square - rest.square - PRICE * (len(item.columns) - 1)
         own, pull = rest.information[np.ix_(at, at)], rest.slope[at]
         left = float(pull @ np.linalg.lstsq(own, pull, rcond=None)[0])
         if told > most and left < LEFT * gain:
-            best, most = item, told
+            best, most = item, told * (1.0 + ALMOST) if one in steady else told
     return best

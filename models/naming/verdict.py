@@ -15,6 +15,7 @@ from realitygap.models.naming.findings import Evidence, Follows, Named
 from realitygap.models.naming.fitter import Fitter, Refined
 from realitygap.models.naming.marginal import freed
 from realitygap.models.naming.search import (
+    LEAST_SWARM,
     MARGIN,
     PRICE,
     contenders,
@@ -187,7 +188,7 @@ def following(weighed: Weighed, scope: int, named: float, gates: Gates) -> list[
                 channel=item.channel,
                 quantity=item.quantity,
                 robots=tuple(state.tracks.robots[k] for k in members),
-                whole_swarm=scope == SWARM,
+                whole_swarm=scope == SWARM and len(state.robots) >= LEAST_SWARM,
                 distance=float(np.sqrt(gain)),
                 gain=gain,
                 share=gain / max(score.square, gain),

@@ -80,6 +80,8 @@ def diagnose_senses(
     """
     healthy = no_sense_reference("") if reference is None else reference
     missing = _missing(log, model, reference)
+    if "nest" not in log.frame:
+        missing.append("no nest: nest_moved, nest_radius")
     told = answers(log)
     part = parts(log)
     judged = model.tables is not None and any(name in log.frame for name in (*PS, *LS))
@@ -145,11 +147,8 @@ def _uncrossed(found: SensesFound) -> list[str]:
 def _missing(log: MeasuredLog, model: PointModel, reference: SenseReference | None) -> list[str]:
     """What this log cannot say of the senses, in words."""
     said = []
-    if "nest" not in log.frame:
-        said.append("no nest: nest_moved, nest_radius")
     if model.tables is None:
-        silent = "sensors: the model has no captured tables: neither infrared nor light is judged"
-        return [silent, *said]
+        return ["sensors: the model has no captured tables: neither infrared nor light is judged"]
     absent = {
         "ps0..ps7": not any(name in log.frame for name in PS),
         "ls0..ls7": not any(name in log.frame for name in LS),

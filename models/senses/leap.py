@@ -23,13 +23,11 @@ from realitygap.models.senses.terms import Doses, applied, sense_terms
 
 MOMENTS = 1000
 """Rows whose light chooses among places; all of them judge what is chosen. Our choice."""
-ASTRAY = 0.1
-"""Mean size of the error of light's logarithm from which places are tried: a lamp that is off by
-less is within reach of a step."""
 DIM = 10.0
 """counts of light, below which it differs by noise alone."""
 ROUGHLY = 0.3
-"""Error of the light's logarithm that a lamp which is a few centimetres off may leave."""
+"""Error of the light's logarithm that a lamp which is a few centimetres off may leave; light that
+is off by less in the mean is within reach of a step from the null."""
 DEGREES = 4.0
 """Of freedom of that error: some moments are shaded."""
 REFINED = 3
@@ -75,7 +73,7 @@ class _Glimpse:
         self._use = self._sight.free[:, SENSORS:]
         self._read = self._level(self._sight.read[:, SENSORS:])
         error = self._error(believed)
-        self.astray = bool(error.size) and ROUGHLY * float(np.abs(error).mean()) > ASTRAY
+        self.astray = bool(error.size) and float(np.abs(error).mean()) > 1.0
         self.least = self._sum(error)
 
     def loss(self, term: Term, place: FloatArray) -> float:

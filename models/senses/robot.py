@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
@@ -14,9 +13,10 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.held_out import PARTS
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.log import MeasuredLog
-from realitygap.models.naming.columns import Columns, Item
-from realitygap.models.naming.noise import Noise, Whitener, learn
+from realitygap.models.naming.columns import Item
+from realitygap.models.naming.noise import Noise, learn
 from realitygap.models.senses.cause import Belief, SenseCause
+from realitygap.models.senses.channel import Channel, Part
 from realitygap.models.senses.levels import Level, Scatter, targets
 from realitygap.models.senses.made import Made
 from realitygap.models.senses.nest import Crossings, answers
@@ -34,70 +34,6 @@ RIDGE_OF_NEST = 1e-3
 """Information that columns of the nest are taken to have: less than one crossing's."""
 LEAST_NEST = 1.0
 """Of how far apart the poses about an edge are, least error of where it is taken to be crossed."""
-
-
-class Channel(Protocol):
-    """Some rows of one robot, at what is believed of it."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def kinds(self) -> tuple[str, ...]:
-        """Of the causes that show in it."""
-
-    @property
-    def window(self) -> Rows:
-        """(n,) window of each row."""
-
-    @property
-    def first(self) -> Rows:
-        """(windows,) first row of each."""
-
-    def errors(self, belief: Belief) -> FloatArray:
-        """(n,) in noise if something is believed."""
-
-
-@dataclass(frozen=True, eq=False)
-class Part:
-    """One channel of one robot with its columns and its noise."""
-
-    channel: Channel
-    at: Rows
-    """(k',) columns that it shows among the robot's."""
-    made: Columns
-    noise: Noise
-    block: Rows
-    """(windows,) block of time of each window."""
-    run: Rows
-    """(windows,) of each window."""
-    keep: FloatArray
-    """(n,) 1 where rows count, 0 where they are in another part of the log."""
-
-    @cached_property
-    def _white(self) -> Whitener:
-        return Whitener(self.channel, self.made.windows, self.noise, free=0)
-
-    @cached_property
-    def _places(self) -> Rows:
-        """(n,) where the rows are among the padded ones."""
-        first = self.channel.first
-        longest = int(np.diff(np.append(first, len(self.channel.window))).max(initial=1))
-        within = np.arange(len(self.channel.window)) - first[self.channel.window]
-        return np.asarray(self.channel.window * longest + within)
-
-    def white(self, rows: FloatArray) -> FloatArray:
-        """(n, k) white ones of (n, k)."""
-        found = self._white(rows[:, None, :])[self._places]
-        return np.asarray(found * self.keep[:, None])
-
-    @cached_property
-    def columns(self) -> FloatArray:
-        """(n, k') white."""
-        return self.white(self.made.values[:, 0, :])
-
-    def errors(self, belief: Belief) -> FloatArray:
-        """(n,) white."""
-        return self.white(self.channel.errors(belief)[:, None])[:, 0]
 
 
 @dataclass(frozen=True, eq=False)

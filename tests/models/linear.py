@@ -89,8 +89,10 @@ class ToyRobot:
         return np.asarray(rows.reshape(len(self.tracks.first), -1).sum(axis=1))
 
     def by_run(self, column: int) -> list[FloatArray]:
-        """Of the one run, (rows,)."""
-        return [self.columns[:, column]]
+        """Of each run, (rows,) its column there."""
+        run = self.tracks.row_segment[self.tracks.rows[self.tracks.first]]
+        white = self.columns[:, column].reshape(len(run), -1)
+        return [np.where((run == one)[:, None], white, 0.0).ravel() for one in np.unique(run)]
 
     def applied(self, motion: Any, term: Term, coordinates: FloatArray) -> Any:
         """A motion with a cause."""

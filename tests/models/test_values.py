@@ -91,7 +91,7 @@ def test_any_fit_is_a_value_with_an_interval_around_it(name: str, data: st.DataO
     as_file(cause, cause.variants[0], given)
 
 
-FAR_FROM_NULL = {"lamp_intensity": np.array([0.2]), "wall_albedo": np.array([-0.4])}
+FAR_FROM_NULL = {"lamp_intensity": np.array([0.2]), "light_falloff": np.array([0.3])}
 
 
 @pytest.mark.parametrize("robots", [(0,), (0, 3), (0, 1, 2)], ids=["one", "two", "three"])
