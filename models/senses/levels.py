@@ -40,9 +40,9 @@ class Level:
         return np.array([(self._value - self.told(belief)) / self._error])
 
     def told(self, belief: Belief) -> float:
-        """What is believed of it."""
-        gains = np.maximum(belief.senses.ps_gain, 1e-3)
-        return float(np.log(gains).mean())
+        """What is believed of it: of all sensors' readings the middle one, which a dead sensor does
+        not move."""
+        return math.log(max(float(np.median(belief.senses.ps_gain)), 1e-3))
 
     @property
     def per_unit(self) -> float:

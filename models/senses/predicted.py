@@ -64,7 +64,8 @@ def _never_below_zero(counts: FloatArray, model: PointModel) -> FloatArray:
     far = counts > 5.0 * sd
     z = np.where(far, 0.0, counts / sd)
     mean = counts * ndtr(z) + sd * np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi)
-    return np.asarray(np.where(far, counts, mean))
+    dead = (np.array(model.senses.ps_gain) == 0.0) & (np.array(model.senses.ps_offset) == 0.0)
+    return np.asarray(np.where(dead, 0.0, np.where(far, counts, mean)))  # nor has it any noise
 
 
 def own_noise(
