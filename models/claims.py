@@ -108,7 +108,7 @@ CHANNELS = {
     "ps": "infrared",
     "ls": "light",
     "both": "infrared",
-    "direct": "infrared",
+    "noise": "infrared",
     "nest": "nest",
 }
 """Channel in which a cause in the senses shows, by its kind; of any other it is `motion`."""

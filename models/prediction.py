@@ -29,9 +29,8 @@ from realitygap.models.motion_gap import CLEAR_TO, throughout
 from realitygap.models.replay import HORIZONS, errors, windows
 from realitygap.models.schema import LS, PS
 from realitygap.models.senses.cause import Belief
-from realitygap.models.senses.direct import noise_scale
 from realitygap.models.senses.nest import answers
-from realitygap.models.senses.predicted import noise, predict
+from realitygap.models.senses.predicted import noise, noise_scale, predict
 from realitygap.models.senses.sight import Sight, look, poses_as_stood
 from realitygap.models.sensor_gap import sensors_to_judge
 
@@ -252,7 +251,7 @@ def _noise(
 ) -> pd.DataFrame:
     """One number per robot: size of the logarithm of the infrared's noise over the expected."""
     residual = np.where(use, (sight.read - counts) / noise(sight, point, beliefs, counts), 0.0)
-    wrong = np.abs(noise_scale(sight, residual, counts, use).value)
+    wrong = np.abs(noise_scale(sight, residual, counts, use))
     frame = pd.DataFrame(
         {"robot": sight.robots, "block": 0, "stratum": 0, "total": wrong, "number": 1}
     )

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -68,20 +68,14 @@ class Gates(Finite):
         return self.model_copy(update=few)
 
 
-class Reference(Finite):
-    """What is believed of healthy robots."""
+class Spreads(Finite):
+    """How healthy robots differ in every coefficient that was measured."""
 
-    schema_version: int = SCHEMA
     model: str
     """Name in the model file it was made with."""
-    wheel_radius: float
-    axle: float
-    """m, of that model."""
     robots: int
     swarms: int
     """Healthy robots and runs it was made from."""
-    inherent: tuple[float, ...]
-    """Coordinates of `models.identify.inherent.INHERENT`."""
     columns: dict[str, Column] = Field(default_factory=dict)
     """By name of a coefficient."""
     causes: tuple[str, ...] = ()
@@ -95,24 +89,22 @@ class Reference(Finite):
     """and s between their rows."""
     command: str = ""
     """What made it."""
-    inputs: tuple[dict[str, str], ...] = ()
-    """The files it was made from: `option`, `file`, `sha256`."""
+    schema_number: ClassVar[int]
+    """Of files that this program reads."""
 
     @model_validator(mode="before")
     @classmethod
     def _of_this_schema(cls, values: Any) -> Any:
         """Refuse a reference of another program before its keys are."""
-        if isinstance(values, dict) and values.get("schema_version", SCHEMA) != SCHEMA:
-            expected = f"{SCHEMA}; make it anew with `realitygap reference`"
+        ours = cls.schema_number
+        if isinstance(values, dict) and values.get("schema_version", ours) != ours:
+            expected = f"{ours}; make it anew with `realitygap reference`"
             raise Refused("schema_version", quoted(values["schema_version"]), expected)
         return values
 
     @model_validator(mode="after")
-    def _sized(self) -> Reference:
-        """Refuse coordinates of other terms than ours."""
-        if len(self.inherent) != len(INHERENT.parameters):
-            expected = f"{len(INHERENT.parameters)} numbers"
-            raise Refused("inherent", f"{len(self.inherent)} numbers", expected)
+    def _related(self) -> Self:
+        """Refuse correlations of other names."""
         square = [len(row) for row in self.correlation]
         if square != [len(self.causes)] * len(self.causes):
             expected = f"{len(self.causes)} rows of as many numbers, one per name in causes"
@@ -121,12 +113,6 @@ class Reference(Finite):
             if name not in self.columns:
                 raise Refused("causes", repr(name), "names in columns")
         return self
-
-    def motion(self, believed: Motion) -> Motion:
-        """A healthy robot's motion where the model believes another."""
-        if not self.robots:
-            return believed
-        return INHERENT.applied(believed, np.array(self.inherent))
 
     def recorded_like(self, recorder: str, step: float) -> bool:
         """Whether a log is known to be recorded as the reference's were, rows `step` s apart."""
@@ -145,20 +131,9 @@ class Reference(Finite):
         ]
         return np.array([not self.robots or one for one in known])
 
-    def knows_term(self, term: Term) -> bool:
-        """Whether all of a term's coefficients were measured."""
-        if not term.cause.smooth or not all(np.isfinite(p.null) for p in term.cause.parameters):
-            return True
-        return bool(self.knows(f"{term.key}.{p.name}" for p in term.cause.parameters).all())
-
     def knows_flexible(self, key: str) -> bool:
         """Whether what a channel gets for a quantity was measured."""
         return not self.robots or any(n == key or n.startswith(f"{key} ") for n in self.columns)
-
-    def mean(self, term: Term) -> FloatArray:
-        """(p,) healthy mean of a term's coordinates beyond the inherent motion."""
-        names = [f"{term.key}.{p.name}" for p in term.cause.parameters]
-        return np.array([self.columns[n].mean if n in self.columns else 0.0 for n in names])
 
     @cached_property
     def learned(self) -> Health:
@@ -177,6 +152,45 @@ class Reference(Finite):
             robots=self.robots,
             swarms=self.swarms,
         )
+
+
+class Reference(Spreads):
+    """What is believed of healthy robots' motion."""
+
+    schema_number: ClassVar[int] = SCHEMA
+    schema_version: int = SCHEMA
+    wheel_radius: float
+    axle: float
+    """m, of the model."""
+    inherent: tuple[float, ...]
+    """Coordinates of `models.identify.inherent.INHERENT`."""
+    inputs: tuple[dict[str, str], ...] = ()
+    """The files it was made from: `option`, `file`, `sha256`."""
+
+    @model_validator(mode="after")
+    def _sized(self) -> Reference:
+        """Refuse coordinates of other terms than ours."""
+        if len(self.inherent) != len(INHERENT.parameters):
+            expected = f"{len(INHERENT.parameters)} numbers"
+            raise Refused("inherent", f"{len(self.inherent)} numbers", expected)
+        return self
+
+    def motion(self, believed: Motion) -> Motion:
+        """A healthy robot's motion where the model believes another."""
+        if not self.robots:
+            return believed
+        return INHERENT.applied(believed, np.array(self.inherent))
+
+    def knows_term(self, term: Term) -> bool:
+        """Whether all of a term's coefficients were measured."""
+        if not term.cause.smooth or not all(np.isfinite(p.null) for p in term.cause.parameters):
+            return True
+        return bool(self.knows(f"{term.key}.{p.name}" for p in term.cause.parameters).all())
+
+    def mean(self, term: Term) -> FloatArray:
+        """(p,) healthy mean of a term's coordinates beyond the inherent motion."""
+        names = [f"{term.key}.{p.name}" for p in term.cause.parameters]
+        return np.array([self.columns[n].mean if n in self.columns else 0.0 for n in names])
 
 
 def write_reference(reference: Reference, path: Path) -> None:

@@ -105,6 +105,8 @@ class Cause:
     beside them, and asked for where the cause is read from a file."""
     told_against: Callable[[Motion], FloatArray] | None = None
     """(healthy motion) -> values (given,); infinite where not known, and then nothing is told."""
+    place: bool = False
+    """It belongs to the arena, not to a robot: every robot has it or none."""
     variants: tuple[str, ...] = (ALL,)
     """Words of the parameter `word`, such as which wheel."""
     word: str = ""
@@ -135,6 +137,8 @@ class Cause:
     circles, can a measured quantity stand for it."""
     identifiable: bool = True
     """False: known, but not visible enough in motion to be named."""
+    bends: bool = False
+    """Its effect bends within a step of a parameter: derivatives are taken from both sides."""
     smooth: bool = True
     """False: the fit must scan the first parameter, whose effect jumps."""
     starts: Starts = field(default=from_null)

@@ -65,7 +65,7 @@ def uneven(
     columns, begin, first = [], 0, 0
     for k in fitter.members:
         robot = fitter.state.robots[k]
-        windows, rows = len(robot.tracks.first), len(robot.own_errors)
+        windows, rows = len(robot.block), len(robot.own_errors)
         there = np.array([inside[name][first : first + windows] for name in names])
         each = np.repeat(there, rows // windows, axis=1).T
         columns.append(each * own[begin : begin + rows, None])

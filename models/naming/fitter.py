@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from realitygap.embedded_sim import Diverged
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.causes import Motion
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.naming.marginal import EMPTY, Score, freed, integrated, shared
-from realitygap.models.naming.robot import Robot
 from realitygap.models.naming.state import SWARM
+from realitygap.models.naming.subject import Subject
 from realitygap.models.naming.weighed import Weighed
 
 FOLDS = 5
@@ -124,7 +123,18 @@ class Fitter:
         for k in self.members:
             robot = self.state.robots[k]
             errors = robot.errors(self._motion(k, terms, sizes, here))
-            found.append((errors.reshape(len(robot.tracks.first), -1) ** 2).sum(axis=1))
+            found.append(robot.by_window(errors**2))
+        return np.concatenate(found)
+
+    def by_block(self, windows: FloatArray) -> FloatArray:
+        """(blocks,) sums of (windows,) numbers, member after member; independent ones are left."""
+        found, begin = [], 0
+        for k in self.members:
+            block = self.state.robots[k].block
+            some = block >= 0
+            mine = windows[begin : begin + len(block)]
+            found.append(np.bincount(block[some], mine[some]))
+            begin += len(block)
         return np.concatenate(found)
 
     def held_out(
@@ -140,13 +150,11 @@ class Fitter:
         folds = np.zeros((FOLDS, 3))
         for k in self.members:
             robot = self.state.robots[k]
-            count = len(robot.tracks.first)
             without = robot.errors(self._motion(k, rest, sizes, here))
             change = without - robot.errors(self._motion(k, terms, whole, full))
-            fold = robot.tracks.block % FOLDS
+            fold = robot.block % FOLDS
             for i, (a, b) in enumerate(((without, without), (without, change), (change, change))):
-                each = (a * b).reshape(count, -1).sum(axis=1)
-                folds[:, i] += np.bincount(fold, each, FOLDS)
+                folds[:, i] += np.bincount(fold, robot.by_window(a * b), FOLDS)
         square, pull, own = folds.T
         dose = (pull.sum() - pull) / np.maximum(own.sum() - own, EMPTY)
         return float((2.0 * dose * pull - dose**2 * own).sum() / max(square.sum(), EMPTY))
@@ -208,20 +216,14 @@ class Fitter:
 
     def by_run(self, column: int) -> FloatArray:
         """(rows, runs) a white column in each run alone."""
-        parts = []
-        for k in self.members:
-            robot = self.state.robots[k]
-            tracks = robot.tracks
-            run = tracks.row_segment[tracks.rows[tracks.first]]
-            white = robot.columns[:, column].reshape(len(run), -1)
-            parts.append([np.where((run == one)[:, None], white, 0.0) for one in np.unique(run)])
+        parts = [self.state.robots[k].by_run(column) for k in self.members]
         rows = sum(part[0].size for part in parts)
         each = sum(len(part) for part in parts)
         whole = np.zeros((rows, each))
         begin = at = 0
         for part in parts:
             for one in part:
-                whole[begin : begin + one.size, at] = one.ravel()
+                whole[begin : begin + one.size, at] = one
                 at += 1
             begin += part[0].size
         return whole
@@ -238,21 +240,24 @@ class Fitter:
         """Of the causes' coordinates and further columns, all else integrated or fitted."""
         found = []
         p = len(here) + (further[0].shape[1] if further else 0)
+        bends = [t.cause.bends for t in terms for _ in t.cause.parameters]
         for j, k in enumerate(self.members):
             robot = self.state.robots[k]
             try:
                 errors = robot.errors(self._motion(k, terms, sizes, here))
-                own = np.empty((len(errors), p))
+                own = np.zeros((len(errors), p))
                 if further:
                     own[:, len(here) :] = further[j]
-                for i in range(len(here)):
-                    there = here.copy()
-                    there[i] += steps[i]
-                    own[:, i] = (
-                        (errors - robot.errors(self._motion(k, terms, sizes, there))) / steps[i]
-                        if smooth[i]
-                        else 0.0
-                    )
+                for i in np.flatnonzero(smooth):
+                    ahead, back = here.copy(), here.copy()
+                    ahead[i] += steps[i]
+                    before, span = errors, steps[i]
+                    if bends[i]:
+                        back[i] -= steps[i]
+                        before = robot.errors(self._motion(k, terms, sizes, back))
+                        span = 2.0 * steps[i]
+                    after = robot.errors(self._motion(k, terms, sizes, ahead))
+                    own[:, i] = (before - after) / span
             except Diverged:
                 return None
             found.append(self._with(k, robot, own, errors))
@@ -265,15 +270,15 @@ class Fitter:
         whole = freed(whole, p + self.flexible)
         return Score(whole.information[:p, :p], whole.slope[:p], whole.square)
 
-    def _with(self, k: int, robot: Robot, own: FloatArray, errors: FloatArray) -> Score:
+    def _with(self, k: int, robot: Subject, own: FloatArray, errors: FloatArray) -> Score:
         """A robot's score of some more columns before its own."""
-        p, many = own.shape[1], robot.columns.shape[1]
+        p, many = own.shape[1], len(robot.names)
         info = np.empty((p + many, p + many))
         info[:p, :p] = own.T @ own
-        info[:p, p:] = own.T @ robot.columns
+        info[:p, p:] = robot.pulled(own)
         info[p:, :p] = info[:p, p:].T
         info[p:, p:] = robot.information
-        slope = np.concatenate([own.T @ errors, robot.columns.T @ errors])
+        slope = np.concatenate([own.T @ errors, robot.pulled(errors[:, None])[0]])
         prior = self.priors[k]
         return self._free(
             integrated(info, slope, float(errors @ errors), prior._replace(at=prior.at + p)), k, p
@@ -285,20 +290,18 @@ class Fitter:
             return score
         return freed(score, p + self.weighed.fitted(k))
 
-    def _motion(
-        self, k: int, terms: Sequence[Term], sizes: Sequence[int], here: FloatArray
-    ) -> Motion:
+    def _motion(self, k: int, terms: Sequence[Term], sizes: Sequence[int], here: FloatArray) -> Any:
         parts = np.split(here, np.cumsum(sizes)[:-1]) if len(terms) else []
         motion = self.state.base[k]
         for scope in (SWARM, k):
             if scope == self.scope:
                 for term, values in zip(terms, parts, strict=True):
-                    motion = term.cause.applied(motion, values, term.variant)
+                    motion = self.state.robots[k].applied(motion, term, values)
             else:
                 for one in self.state.of(scope):
                     if one.item.term is not None:
-                        cause, variant = one.item.term
-                        motion = cause.applied(motion, one.coordinates, variant)
+                        robot = self.state.robots[k]
+                        motion = robot.applied(motion, one.item.term, one.coordinates)
         return motion
 
 

@@ -81,7 +81,7 @@ def healthy(swarms: Sequence[Told]) -> Health:
     names = tuple(dict.fromkeys(name for one in swarms for name in one.names))
     info, slope = _together(names, swarms)
     swarm = np.repeat(np.arange(len(swarms)), [len(one.slope) for one in swarms])
-    size = np.median(np.einsum("rkk->rk", info), axis=0)
+    size = _usual(np.einsum("rkk->rk", info))
     unit = np.where(size > EMPTY, 1.0 / np.sqrt(np.maximum(size, EMPTY)), 0.0)
     info, slope = info * unit[:, None] * unit, slope * unit
     causes = np.array(["." in name for name in names])
@@ -122,6 +122,15 @@ def healthy(swarms: Sequence[Told]) -> Health:
         robots,
         many,
     )
+
+
+def _usual(information: FloatArray) -> FloatArray:
+    """(k,) median of (robots, k) over the robots that say something; 0 where none does."""
+    found = np.zeros(information.shape[1])
+    for k, one in enumerate(information.T):
+        some = one[one > EMPTY]
+        found[k] = np.median(some) if len(some) else 0.0
+    return found
 
 
 def _together(names: Sequence[str], swarms: Sequence[Told]) -> tuple[FloatArray, FloatArray]:

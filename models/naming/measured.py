@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from realitygap.models.naming.fitter import Fitter
 from realitygap.models.naming.health import Health, Told, farthest, healthy
 from realitygap.models.naming.robot import robots_of
 from realitygap.models.naming.state import SWARM, State
+from realitygap.models.naming.subject import Subject
 from realitygap.models.naming.threads import one_thread
 from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Column, Gates, Reference
@@ -56,12 +58,17 @@ NOBODY = Health((), np.zeros(0), np.zeros((0, 0)), np.zeros(0), 0, 0)
 @one_thread
 def told_of(tracks: Tracks, motion: Motion) -> Told:
     """What a healthy swarm's windows say of every coefficient."""
-    robots = robots_of(tracks, [motion] * len(tracks.robots), doses=False)
-    at = robots[0].made.linear
+    return told_by(robots_of(tracks, [motion] * len(tracks.robots), doses=False))
+
+
+def told_by(robots: Sequence[Subject]) -> Told:
+    """What the robots of a healthy swarm say of every coefficient that is linear."""
+    names = robots[0].names
+    at = np.array([k for k, name in enumerate(names) if "@" not in name], dtype=np.int64)
     return Told(
-        tuple(robots[0].made.names[k] for k in at),
+        tuple(names[k] for k in at),
         np.array([one.information[np.ix_(at, at)] for one in robots]),
-        np.array([one.columns[:, at].T @ one.own_errors for one in robots]),
+        np.array([one.pulled(one.own_errors[:, None])[0, at] for one in robots]),
     )
 
 
@@ -77,31 +84,38 @@ def make_reference(
         drive: The model's.
         command: What the user typed, for the record.
     """
+    return Reference(
+        wheel_radius=float(np.mean(drive.wheel_radius)),
+        axle=drive.axle,
+        inherent=tuple(float(v) for v in inherent),
+        **spreads(swarms, model=model, command=command),
+    )
+
+
+def spreads(swarms: Sequence[Told], *, model: str, command: str) -> dict[str, Any]:
+    """The fields of any reference: how robots and swarms differ, and the gates."""
     learned = healthy(swarms)
     sd = np.sqrt(np.diag(learned.covariance))
     causes = [k for k, name in enumerate(learned.names) if "." in name and sd[k] > 0.0]
     block = learned.covariance[np.ix_(causes, causes)] / sd[causes][:, None] / sd[causes]
     cause, flexible = farthest(learned, swarms)
     gates = Gates()
-    return Reference(
-        model=model,
-        wheel_radius=float(np.mean(drive.wheel_radius)),
-        axle=drive.axle,
-        robots=learned.robots,
-        swarms=learned.swarms,
-        inherent=tuple(float(v) for v in inherent),
-        columns={
+    return {
+        "model": model,
+        "robots": learned.robots,
+        "swarms": learned.swarms,
+        "columns": {
             name: Column(mean=float(m), sd=float(s), swarm_sd=float(np.sqrt(w)))
             for name, m, s, w in zip(learned.names, learned.mean, sd, learned.swarm, strict=True)
         },
-        causes=tuple(learned.names[k] for k in causes),
-        correlation=tuple(tuple(float(v) for v in row) for row in block),
-        gates=Gates(
+        "causes": tuple(learned.names[k] for k in causes),
+        "correlation": tuple(tuple(float(v) for v in row) for row in block),
+        "gates": Gates(
             cause=max(gates.cause, gates.margin * cause),
             flexible=max(gates.flexible, gates.margin * flexible),
         ),
-        command=command,
-    )
+        "command": command,
+    }
 
 
 def with_errors(reference: Reference, farthest: Sequence[float]) -> Reference:

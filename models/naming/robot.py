@@ -11,8 +11,9 @@ import numpy as np
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes import Motion
 from realitygap.models.identify.fit import Problem
-from realitygap.models.identify.tracks import Tracks
-from realitygap.models.naming.columns import Columns, columns
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.tracks import Rows, Tracks
+from realitygap.models.naming.columns import Columns, Item, columns
 from realitygap.models.naming.noise import Noise, Whitener, learn
 
 
@@ -27,6 +28,20 @@ class Robot:
     made: Columns
     noise: Noise
 
+    @property
+    def items(self) -> tuple[Item, ...]:
+        return self.made.items
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """(k,) of columns."""
+        return self.made.names
+
+    @property
+    def block(self) -> Rows:
+        """(windows,) block of each window."""
+        return self.tracks.block
+
     @cached_property
     def white(self) -> Whitener:
         return Whitener(self.tracks, self.made.windows, self.noise)
@@ -40,6 +55,35 @@ class Robot:
     def information(self) -> FloatArray:
         """(k, k)."""
         return np.asarray(self.columns.T @ self.columns)
+
+    def pulled(self, rows: FloatArray) -> FloatArray:
+        """(p, k) products of (rows, p) white ones with the columns."""
+        return np.asarray(rows.T @ self.columns)
+
+    def by_window(self, rows: FloatArray) -> FloatArray:
+        """(windows,) sums of (rows,) over each window."""
+        return np.asarray(rows.reshape(len(self.tracks.first), -1).sum(axis=1))
+
+    def by_run(self, column: int) -> list[FloatArray]:
+        """Of each run, (rows,) a white column there and 0 elsewhere."""
+        run = self.tracks.row_segment[self.tracks.rows[self.tracks.first]]
+        white = self.columns[:, column].reshape(len(run), -1)
+        return [np.where((run == one)[:, None], white, 0.0).ravel() for one in np.unique(run)]
+
+    def applied(self, motion: Motion, term: Term, coordinates: FloatArray) -> Motion:
+        """A motion with a cause."""
+        return term.cause.applied(motion, coordinates, term.variant)
+
+    def moved(self, motion: Motion, tracks: Tracks) -> Robot:
+        """The robot at another motion, its noise learned anew from it alone.
+
+        Args:
+            motion: The other.
+            tracks: Of the whole log.
+        """
+        made = columns(self.tracks, [motion], tracks.commands)
+        (noise,) = learn([self.tracks], [made])
+        return Robot(self.tracks, motion, made, noise)
 
     def errors(self, motion: Motion) -> FloatArray:
         """(rows,) white errors at any motion."""
@@ -62,10 +106,3 @@ def robots_of(tracks: Tracks, motions: Sequence[Motion], *, doses: bool = True) 
     ]
     noise = learn(each, made)
     return [Robot(*one) for one in zip(each, motions, made, noise, strict=True)]
-
-
-def moved(robot: Robot, motion: Motion, commands: FloatArray) -> Robot:
-    """The robot at another motion, its noise learned anew from it alone."""
-    made = columns(robot.tracks, [motion], commands)
-    (noise,) = learn([robot.tracks], [made])
-    return Robot(robot.tracks, motion, made, noise)

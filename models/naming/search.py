@@ -29,6 +29,8 @@ WORTH = 0.3
 """Of the largest linear gain that a contender must promise."""
 DOSE = 0.3
 """Least multiple of a whole dose: a small share of one is no such cause."""
+MARGIN = 6.0
+"""Deviance by which something must do worse: odds of 20 to 1."""
 PRICE = 4.0
 """Deviance that each further parameter must take off: twice what one without a meaning does."""
 BETTER = 12.0
@@ -37,6 +39,8 @@ ALMOST = 0.06
 """Of a cause's gain by which the same: no model of a cause is exact,"""
 ROUGH = 0.1
 """and those of transients are rough."""
+SAME = 1e-6
+"""Of a column's information, what is left of it beside another that is the same."""
 LEFT = 0.25
 """Of a cause's gain, most that it may still take off beside the plain."""
 
@@ -96,15 +100,14 @@ def search(state: State, gates: Gates, known: Mask) -> State:
 def _scope(weighed: Weighed, gates: Gates, known: Mask) -> tuple[int, list[Offer]] | None:
     """Where the most conspicuous thing is, and what it may be."""
     state = weighed.state
-    count = len(state.robots)
     best: tuple[int, list[Offer]] | None = None
-    for scope in ([SWARM] if count >= LEAST_SWARM else []) + list(range(count)):
+    for scope in (SWARM, *range(len(state.robots))):
         if len(state.of(scope)) >= MOST:
             continue
         taken = {_name(one.item) for one in state.of(scope)}
         listed = [
             one
-            for one in offers(weighed.score(scope), state.items, known)
+            for one in offers(weighed.score(scope), possible(state, scope), known)
             if one.gain > (gates.flexible if one.item.term is None else gates.cause)
             and _name(one.item) not in taken
             and (scope, one.item.key) not in state.refused
@@ -115,18 +118,38 @@ def _scope(weighed: Weighed, gates: Gates, known: Mask) -> tuple[int, list[Offer
     return best
 
 
+def possible(state: State, scope: int) -> list[Item]:
+    """What may be the matter in a scope: what belongs to the place is everybody's alone.
+
+    Of one robot by itself everything is everybody's, where something belongs to the place: else a
+    lamp and its sensors would not be rivals.
+    """
+    alone = len(state.robots) == 1 and any(_of_place(item) for item in state.items)
+    swarm = alone or len(state.robots) >= LEAST_SWARM
+    if scope == SWARM:
+        return [item for item in state.items if swarm or _of_place(item)]
+    return [] if alone else [item for item in state.items if not _of_place(item)]
+
+
+def _of_place(item: Item) -> bool:
+    return item.term is not None and item.term.cause.place
+
+
 def _name(item: Item) -> str:
     return item.key if item.term is None else item.term.cause.name
 
 
 def _common(weighed: Weighed, one: Offer) -> bool:
-    """Whether nearly every robot is better off with a shared item."""
+    """Whether nearly every robot is better off with a shared item, or it is shared anyway."""
+    if _of_place(one.item):
+        return True
     at = list(one.item.columns)
     gains = []
-    for score in weighed.alone:
+    for robot, score in zip(weighed.state.robots, weighed.alone, strict=True):
         own = score.information[np.ix_(at, at)]
-        gains.append(2.0 * one.step @ score.slope[at] - one.step @ own @ one.step)
-    return float(np.mean(np.array(gains) > 0.0)) >= 1.0 - DEVIANTS
+        if np.diag(robot.information)[at].any():  # else it says nothing of the item
+            gains.append(2.0 * one.step @ score.slope[at] - one.step @ own @ one.step)
+    return bool(gains) and float(np.mean(np.array(gains) > 0.0)) >= 1.0 - DEVIANTS
 
 
 def _chosen(weighed: Weighed, scope: int, listed: list[Offer], gates: Gates) -> list[Kept] | None:
@@ -142,13 +165,14 @@ def _chosen(weighed: Weighed, scope: int, listed: list[Offer], gates: Gates) -> 
         fit = fitted_with(fitter, terms, start, offer)
         if fit is None:
             continue
-        gain = now - fit.square - PRICE * (len(offer.step) - 1)
+        gain = now - fit.square - PRICE * (len(fit.coordinates[-1]) - 1)
         tried.append((gain, offer, fit))
     plains = [one for one in listed if one.item.term is None]
     tried.sort(key=lambda one: -one[0])
     if tried and tried[0][0] > gates.cause:
-        gain, offer, fit = tried[0]
-        better = _replacing(weighed.score(scope), offer, gain, plains)
+        gain, offer, fit = _plainest(tried)
+        bare = _bare(state, scope)
+        better = _replacing(weighed.score(scope), offer, gain, plains, bare)
         if better is not None:
             return [*before, Kept(better, np.zeros(0))]
         rest = iter(fit.coordinates)
@@ -157,7 +181,23 @@ def _chosen(weighed: Weighed, scope: int, listed: list[Offer], gates: Gates) -> 
         ]
         linear = next(i for i in state.items if i.term == offer.item.term)
         return [*kept, Kept(linear if linear.dose is None else offer.item, next(rest))]
-    return [*before, Kept(plains[0].item, np.zeros(0))] if plains else None
+    return [*before, Kept(_steadiest(plains).item, np.zeros(0))] if plains else None
+
+
+def _plainest(
+    tried: Sequence[tuple[float, Offer, Refined]],
+) -> tuple[float, Offer, Refined]:
+    """Of those that do as well as the best, which is first, that with fewest parameters."""
+    close = [one for one in tried if one[0] > tried[0][0] - MARGIN]
+    return min(close, key=lambda one: len(one[2].coordinates[-1]))
+
+
+def _steadiest(plains: Sequence[Offer]) -> Offer:
+    """The best of what follows something, best first; or what follows nothing, if it does nearly as
+    well."""
+    least = (1.0 - ALMOST) * plains[0].gain
+    steady = [one for one in plains if _follows_nothing(one.item)]
+    return next((one for one in steady if one.gain > least), plains[0])
 
 
 def contenders(listed: Sequence[Offer], most: float = 0.0) -> list[Offer]:
@@ -198,7 +238,28 @@ def _wrong_sign(term: Term, coordinates: FloatArray) -> bool:
     return bool((np.array([p.sign for p in term.cause.parameters]) * coordinates < 0.0).any())
 
 
-def _replacing(score: Score, offer: Offer, gain: float, plains: Sequence[Offer]) -> Item | None:
+def _bare(state: State, scope: int) -> FloatArray:
+    """(k,) information of single columns that health knows; the others are free anyway."""
+    names = state.robots[0].names
+    bare = np.sum([np.diag(state.robots[k].information) for k in state.members(scope)], axis=0)
+    return np.asarray(np.where(["@" in name for name in names], 0.0, bare))
+
+
+def _follows_nothing(item: Item) -> bool:
+    return item.columns == (item.always,)
+
+
+def _tells(score: Score, bare: FloatArray, item: Item) -> bool:
+    """Whether a channel's steady change is something else than what is fitted already."""
+    if _follows_nothing(item):
+        return False
+    at = item.always
+    return bare[at] == 0.0 or float(score.information[at, at]) > SAME * float(bare[at])
+
+
+def _replacing(
+    score: Score, offer: Offer, gain: float, plains: Sequence[Offer], bare: FloatArray
+) -> Item | None:
     """What follows a quantity, does better than a cause and leaves it little; None: nothing.
 
     What follows a quantity also has a mean, which a cause would take for its own: its channel's
@@ -207,12 +268,14 @@ def _replacing(score: Score, offer: Offer, gain: float, plains: Sequence[Offer])
     rough = ROUGH if offer.item.of.cause.feigns else ALMOST
     best, most = None, gain + max(BETTER, rough * gain)
     at = list(offer.item.columns)
-    for one in plains:
-        item = one.item._replace(columns=(*one.item.columns, one.item.always))
+    steady = [one for one in plains if _follows_nothing(one.item)]
+    for one in (*steady, *(one for one in plains if one not in steady)):
+        mean = (one.item.always,) if _tells(score, bare, one.item) else ()
+        item = one.item._replace(columns=(*one.item.columns, *mean))
         rest = freed(score, np.array(item.columns))
         told = score.square - rest.square - PRICE * (len(item.columns) - 1)
         own, pull = rest.information[np.ix_(at, at)], rest.slope[at]
         left = float(pull @ np.linalg.lstsq(own, pull, rcond=None)[0])
         if told > most and left < LEFT * gain:
-            best, most = item, told
+            best, most = item, told * (1.0 + ALMOST) if one in steady else told
     return best

@@ -12,6 +12,7 @@ import numpy as np
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.naming.columns import Mask
 from realitygap.models.naming.marginal import EMPTY
+from realitygap.models.naming.state import SWARM
 from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates
 
@@ -26,12 +27,16 @@ def least_seen(weighed: Weighed, gates: Gates, known: Mask) -> dict[str, FloatAr
     """
     need = np.sqrt(gates.cause) + SURELY
     found: dict[str, FloatArray] = {}
+    place = weighed.score(SWARM).information
     for k in range(len(weighed.state.robots)):
-        told = weighed.score(k).information
+        own = weighed.score(k).information
         for item in weighed.state.items:
             if item.term is None or not known[list(item.columns)].all():
                 continue
+            told = place if item.term.cause.place else own
             cause = item.term.cause
+            if not cause.parameters:
+                continue
             shape = (len(weighed.state.robots), len(cause.parameters))
             size = found.setdefault(item.term.key, np.full(shape, np.nan))
             sure = np.sqrt(np.maximum(np.diag(told)[list(item.columns)], EMPTY))
@@ -60,7 +65,7 @@ def away(weighed: Weighed) -> dict[str, FloatArray]:
 
 def scores(weighed: Weighed) -> dict[str, FloatArray]:
     """(robots,) by name of a cause's coefficient, signed standard deviations from health."""
-    names = weighed.state.robots[0].made.names
+    names = weighed.state.robots[0].names
     found = {name: np.zeros(len(weighed.state.robots)) for name in names if "." in name}
     for k in range(len(weighed.state.robots)):
         told = weighed.score(k)

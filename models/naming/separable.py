@@ -14,6 +14,7 @@ import numpy as np
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.naming.fitter import Fitter, Refined
+from realitygap.models.naming.state import SWARM
 
 INFLATION = 20.0
 """Factor on a term's variance at which the other may stand in its place: a correlation of 0.975.
@@ -43,6 +44,7 @@ def inseparable(
             other is None
             or item.dose is not None
             or len(item.columns) > 1
+            or (other.cause.place and fitter.scope != SWARM)
             or other.cause.name not in term.cause.confusable_with
             or other.cause.name in names
         ):

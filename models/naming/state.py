@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.causes import Motion
-from realitygap.models.identify.tracks import Tracks
 from realitygap.models.naming.columns import Item
 from realitygap.models.naming.health import Health
-from realitygap.models.naming.robot import Robot, moved
+from realitygap.models.naming.subject import Subject
 
 SWARM = -1
 """Scope of what all robots share; others are indices of robots."""
@@ -29,11 +27,12 @@ class Kept(NamedTuple):
 class State:
     """Everything believed of a log."""
 
-    tracks: Tracks
-    base: tuple[Motion, ...]
-    """(robots,) healthy."""
-    robots: tuple[Robot, ...]
-    """At their motions with every cause kept."""
+    tracks: Any
+    """The log, cut as its channels ask: `Tracks` or `SenseLog`."""
+    base: tuple[Any, ...]
+    """(robots,) what is believed of healthy ones: `Motion` or `Belief`."""
+    robots: tuple[Subject, ...]
+    """With every cause kept."""
     health: Health
     kept: dict[int, tuple[Kept, ...]] = field(default_factory=dict)
     """By scope."""
@@ -45,7 +44,7 @@ class State:
 
     @property
     def items(self) -> tuple[Item, ...]:
-        return self.robots[0].made.items
+        return self.robots[0].items
 
     def of(self, scope: int) -> tuple[Kept, ...]:
         return self.kept.get(scope, ())
@@ -54,14 +53,13 @@ class State:
         """Robots of a scope."""
         return list(range(len(self.robots))) if scope == SWARM else [scope]
 
-    def motion(self, k: int, own: dict[int, Sequence[Kept]]) -> Motion:
-        """A robot's motion with what is kept, some scopes replaced."""
+    def motion(self, k: int, own: dict[int, Sequence[Kept]]) -> Any:
+        """What is believed of a robot with what is kept, some scopes replaced."""
         motion = self.base[k]
         for scope in (SWARM, k):
             for one in own.get(scope, self.of(scope)):
                 if one.item.term is not None:
-                    cause, variant = one.item.term
-                    motion = cause.applied(motion, one.coordinates, variant)
+                    motion = self.robots[k].applied(motion, one.item.term, one.coordinates)
         return motion
 
 
@@ -78,5 +76,5 @@ def with_kept(state: State, scope: int, kept: Sequence[Kept]) -> State:
     for k, robot in enumerate(state.robots):
         motion = changed.motion(k, {})
         there = k in members and motion != robot.motion
-        robots.append(moved(robot, motion, state.tracks.commands) if there else robot)
+        robots.append(robot.moved(motion, state.tracks) if there else robot)
     return replace(changed, robots=tuple(robots))

@@ -26,7 +26,7 @@ class Weighed:
 
     def __init__(self, state: State) -> None:
         self.state = state
-        names = state.robots[0].made.names
+        names = state.robots[0].names
         self.prior, common = state.health.on(names)
         recorded = np.array([state.unsure.get(name, 0.0) for name in names])
         self._shared: FloatArray = np.hypot(common, recorded)
@@ -94,7 +94,7 @@ class Weighed:
         errors = robot.own_errors
         score = integrated(
             robot.information,
-            robot.columns.T @ errors,
+            robot.pulled(errors[:, None])[0],
             float(errors @ errors),
             self.prior_of(k),
         )
@@ -111,7 +111,7 @@ def _feigning(prior: Prior, state: State, k: int) -> Prior:
     ]
     if not rough:
         return prior
-    names = state.robots[k].made.names
+    names = state.robots[k].names
     extra = np.zeros(len(prior.at))
     for cause in rough:
         for i, c in enumerate(prior.at):

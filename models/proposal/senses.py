@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from realitygap.embedded_sim import CONTROL_STEP, SCENARIOS, SENSORS, PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.naming.columns import Item
 from realitygap.models.naming.findings import Named
+from realitygap.models.naming.fitter import Fitter
+from realitygap.models.naming.state import SWARM
+from realitygap.models.naming.weighed import Weighed
 from realitygap.models.proposal.menu import Flight, Proposal, distance, flights, ranked
-from realitygap.models.senses import nest
-from realitygap.models.senses.cause import SenseCause
+from realitygap.models.senses.cause import Belief, SenseCause
 from realitygap.models.senses.diagnose import SenseExamination
-from realitygap.models.senses.direct import SQUARE
-from realitygap.models.senses.glance import NO_COMMANDS
+from realitygap.models.senses.identify import SensesFound
+from realitygap.models.senses.levels import SQUARE
 from realitygap.models.senses.neighbours import FAR, Neighbours
+from realitygap.models.senses.nest import Answers, Crossings
 from realitygap.models.senses.predicted import predict
-from realitygap.models.senses.problem import SWARM, Fit, Problem, Term
+from realitygap.models.senses.readings import KINDS, Eye, Readings
 from realitygap.models.senses.sight import BLOCK_SECONDS, Sight, lamp_in_sight
+from realitygap.models.senses.terms import columns_of
 
 STRIDE = 5
 """Control steps from one row looked at to the next."""
@@ -27,6 +35,18 @@ OF_ROBOTS = 0.25
 (0.14) and the edge of a round body."""
 ONLY_ROBOTS_TELL = {"ir_gain", "wall_albedo"}
 """Causes that readings of the wall cannot separate."""
+
+
+class _Believed(NamedTuple):
+    """What is believed of each robot if one cause is true, and how well its numbers are known."""
+
+    beliefs: tuple[Belief, ...]
+    scope: int
+    term: Term
+    coordinates: FloatArray
+    """(p,)."""
+    covariance: FloatArray
+    """(p, p)."""
 
 
 def propose(senses: SenseExamination, named: Named, model: PointModel) -> Proposal | None:
@@ -39,77 +59,93 @@ def propose(senses: SenseExamination, named: Named, model: PointModel) -> Propos
     """
     rivals = tuple(named.evidence.rivals)
     separates = (named.term.cause.name, *dict.fromkeys(t.cause.name for t in rivals))
-    robots = len(senses.sight.robots) if senses.sight is not None else len(named.robots)
+    if senses.found is None:
+        return None
+    own, *others = _believed(senses.found, named)
+    of_nest = isinstance(named.term.cause, SenseCause) and named.term.cause.kind == "nest"
+    if senses.sight is None and not of_nest:
+        return None
     separations = {}
-    prepared = _prepared(senses, named)
+    robots = len(senses.found.state.robots)
     for flight in flights(robots, model):
-        if named.term.cause.name in nest.CAUSES:
-            far = [_edges_apart(flight, named, model, rival.cause.name) for rival in rivals]
-        elif prepared is None:
-            return None
+        if of_nest:
+            far = [_edges_apart(flight, own, rival, model) for rival in others]
         else:
-            own, fits = prepared
-            far = [_apart(senses, flight, model, own, fit, named, rival) for fit, rival in fits]
+            assert senses.sight is not None
+            far = [_apart(senses.sight, flight, model, own, rival) for rival in others]
         separations[flight.probe.name] = far
     return Proposal(separates=separates, options=ranked(separations)) if separations else None
 
 
-def _prepared(senses: SenseExamination, named: Named) -> tuple[Fit, list[tuple[Fit, str]]] | None:
-    """The named cause and each rival fitted to the log beside everything else found."""
-    problem, kept, sight = senses.problem, senses.fit, senses.sight
-    if problem is None or kept is None or sight is None:
-        return None
-    alone = len(named.robots) == 1 and len(sight.robots) > 1
-    scope = sight.robots.index(named.robots[0]) if alone else SWARM
-    hypotheses = [
-        Term(t.cause, t.variant, scope)
-        for t in (named.term, *named.evidence.rivals)
-        if isinstance(t.cause, SenseCause)
+def _believed(found: SensesFound, named: Named) -> list[_Believed]:
+    """The named cause and each rival, fitted to the log beside everything else found."""
+    state = found.state
+    scope = next(
+        s
+        for s, judged in found.judged.items()
+        if named.term in judged.terms
+        and tuple(state.tracks.robots[k] for k in state.members(s)) == named.robots
+    )
+    judged = found.judged[scope]
+    fitter = Fitter(Weighed(state), scope)
+    rest = [t for t in judged.terms if t != named.term]
+    given = [
+        c for t, c in zip(judged.terms, judged.fit.coordinates, strict=True) if t != named.term
     ]
-    names = {t.cause.name for t in hypotheses}
-    rest = tuple(t for t in kept.terms if not (t.cause.name in names and t.robot == scope))
-    given = np.concatenate([kept.coordinates[kept.part(t)] for t in rest] or [np.zeros(0)])
-    fits = []
-    for term in hypotheses:
-        starts = term.cause.starts(NO_COMMANDS) or [np.zeros(term.size)]
-        if term.cause.name == named.term.cause.name:
-            starts = [*starts, named.evidence.coordinates]
-        tried = [problem.fit((*rest, term), np.concatenate([given, start])) for start in starts]
-        fits.append(min(tried, key=lambda fit: float(problem.deviance(fit.residual).sum())))
-    return fits[0], [(f, t.cause.name) for f, t in zip(fits[1:], hypotheses[1:], strict=True)]
+    result = []
+    for term in (named.term, *named.evidence.rivals):
+        doses = [item.dose for item in state.items if item.term == term and item.dose is not None]
+        starts = [np.zeros(len(term.cause.parameters)), *(np.array(dose) for dose in doses)]
+        if term == named.term:
+            starts.append(named.evidence.coordinates)
+        fits = [fitter.fit([*rest, term], [*given, start]) for start in starts]
+        fit = min((one for one in fits if one is not None), key=lambda one: one.square)
+        size = len(term.cause.parameters)
+        kept = [(t, c) for t, c in zip([*rest, term], fit.coordinates, strict=True)]
+        beliefs = []
+        for k, robot in enumerate(state.robots):
+            belief = state.motion(k, {scope: ()})
+            for t, c in kept if k in state.members(scope) else ():
+                belief = robot.applied(belief, t, c)
+            beliefs.append(belief)
+        covariance = fit.covariance[-size:, -size:] if size else np.zeros((0, 0))
+        result.append(_Believed(tuple(beliefs), scope, term, fit.coordinates[-1], covariance))
+    return result
 
 
 def _apart(
-    senses: SenseExamination,
-    flight: Flight,
-    model: PointModel,
-    own: Fit,
-    rival: Fit,
-    named: Named,
-    name: str,
+    log: Sight, flight: Flight, model: PointModel, own: _Believed, rival: _Believed
 ) -> float:
     """Separation in readings, the smaller of either being true."""
-    assert senses.problem is not None
-    assert senses.sight is not None
-    sight = _sight(flight, senses.sight, model)
-    if {named.term.cause.name, name} == ONLY_ROBOTS_TELL:
-        size = abs(float(named.evidence.coordinates[0]))
+    sight = _sight(flight, log, model)
+    if {own.term.cause.name, rival.term.cause.name} == ONLY_ROBOTS_TELL:
+        size = abs(float(own.coordinates[0]))
         number = _seen_of_robots(sight, model)
         return float(size * np.sqrt(number) / OF_ROBOTS)
     found = []
     for truth, asked in ((own, rival), (rival, own)):
-        beliefs = senses.problem.beliefs(truth.terms, truth.coordinates)
-        told = replace(sight, read=predict(sight, model, beliefs))
-        flown = Problem(told, model, senses.problem.base, sight.free)
-        residual = flown.residual(asked.terms, asked.coordinates)
-        columns = np.zeros((residual.size, len(asked.coordinates)))
-        for k, one in enumerate(flown.columns(asked.terms, asked.coordinates, residual)):
-            whole = np.zeros_like(residual)
-            whole[one.rows] = one.values
-            columns[:, k] = whole.ravel()
+        told = replace(sight, read=predict(sight, model, truth.beliefs))
+        errors, columns = [], []
+        for k in range(len(sight.robots)):
+            eye = Eye(told.of(k), model)
+            for name in KINDS:
+                seen = Readings(eye, name, truth.beliefs[k])
+                errors.append(seen.errors(asked.beliefs[k]))
+                mine = asked.scope in (SWARM, k)
+                columns.append(_columns(seen, asked, asked.beliefs[k], mine=mine))
         grown = np.sqrt(STRIDE)
-        found.append(distance(grown * residual.ravel(), grown * columns, asked.covariance))
+        whole, given = np.concatenate(errors), np.concatenate(columns)
+        found.append(distance(grown * whole, grown * given, asked.covariance))
     return min(found)
+
+
+def _columns(seen: Readings, asked: _Believed, belief: Belief, *, mine: bool) -> FloatArray:
+    """(n, p) change of the errors per unit of a cause's numbers."""
+    size = len(asked.coordinates)
+    if not mine or not size:
+        return np.zeros((len(seen.window), size))
+    found = columns_of(Item(asked.term, None, "", "", ()), belief, seen.errors)
+    return -np.stack(found, axis=1)
 
 
 def _sight(flight: Flight, log: Sight, model: PointModel) -> Sight:
@@ -136,6 +172,7 @@ def _sight(flight: Flight, log: Sight, model: PointModel) -> Sight:
         begin=np.arange(robots + 1, dtype=np.int64) * steps,
         part=np.zeros(len(who), dtype=np.int64),
         time=time,
+        run=who,
         scenario=scenario,
         poses=flat,
         spread=np.tile(each, (len(who), 1)),
@@ -163,15 +200,24 @@ def _seen_of_robots(sight: Sight, model: PointModel) -> int:
     return number * STRIDE
 
 
-def _edges_apart(flight: Flight, named: Named, model: PointModel, rival: str) -> float:
+def _edges_apart(flight: Flight, own: _Believed, rival: _Believed, model: PointModel) -> float:
     """Separation in the virtual sensor's answers: what the best fitting rival gets wrong."""
-    change = np.zeros(3)
-    change[list(nest.CAUSES[named.term.cause.name])] = named.evidence.coordinates
-    x, y, radius = model.nest
-    place = flight.poses[..., :2].reshape(-1, 2)
-    inside = np.hypot(place[:, 0] - x - change[0], place[:, 1] - y - change[1]) < radius * np.exp(
-        change[2]
-    )
-    rows = np.arange(len(place), dtype=np.int64)
-    seen = nest.Answers(np.ascontiguousarray(place), inside, rows, rows, rows)
-    return float(np.sqrt(max(nest.lost_by(seen, model.nest, change, rival), 0.0)))
+    found = 0.0
+    for k, (truth, asked) in enumerate(zip(own.beliefs, rival.beliefs, strict=True)):
+        place = flight.poses[:, k % flight.poses.shape[1], :2]
+        x, y, radius = truth.of(model).nest
+        inside = np.hypot(place[:, 0] - x, place[:, 1] - y) < radius
+        rows = np.arange(len(place), dtype=np.int64)
+        none = np.zeros(len(place), dtype=np.int64)
+        told = Answers(place, inside, none, none, rows, none, np.asarray(rows * CONTROL_STEP))
+        edge = Crossings(told, 0, model)
+        if not len(edge.rows):
+            continue
+        size = len(rival.coordinates)
+        mine = rival.scope in (SWARM, k)
+        item = Item(rival.term, None, "", "", ())
+        columns = np.zeros((len(edge.rows), size))
+        if mine and size:
+            columns = -np.stack(columns_of(item, asked, edge.errors), axis=1)
+        found += distance(edge.errors(asked), columns, rival.covariance) ** 2
+    return float(np.sqrt(found))

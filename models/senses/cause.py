@@ -53,16 +53,14 @@ class SenseCause(Cause):
 
     sense: Sensing
     """(belief, values (parameters,), variant) -> belief with the cause. At the null: the same."""
-    place: bool = False
-    """It belongs to the arena, not to a robot: every robot has it or none."""
     kind: str
-    """What shows it: `ps`, `ls`, `both`, `direct` (seen without a fit) or `nest`."""
+    """What shows it: `ps`, `ls`, `both`, `noise` (how infrared scatters) or `nest`."""
     leaps: Leaps = field(default=nowhere)
     """Coordinates (parameters,) far from the null that are tried as they are: from the null a step
     does not lead to a lamp that stands elsewhere altogether. Of causes of the place only."""
     change: Change = field(default=unmoved)
-    smooth: bool = False
-    """Of motion fits, which it has no part in."""
+    bends: bool = True
+    """Readings of a wall that is near bend within a degree and a millimetre."""
 
     def believed(self, belief: Belief, coordinates: FloatArray, variant: str = ALL) -> Belief:
         """The belief with this cause at the given coordinates, kept within bounds."""

@@ -9,6 +9,7 @@ nearer to that of the other than to a healthy robot's.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -32,12 +33,13 @@ from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.diagnose import SenseExamination
 from realitygap.models.senses.nest import Answers
 from realitygap.models.senses.predicted import noise, predict
-from realitygap.models.senses.problem import Problem
 from realitygap.models.senses.sight import Sight
 from realitygap.models.written import written
 
 READINGS = {"infrared_reading": "ps", "light_reading": "ls"}
 """Of `gain` in `diagnosis.json`, the kind of sensor that each is of."""
+MEAN_SIZE = (2.0 / math.pi) ** 0.5
+"""Mean size of a standard normal variable."""
 NEST = "nest_answer"
 NOISE = "ir_noise"
 
@@ -60,7 +62,7 @@ class SensePredictions:
         self.point: PointModel = plain.point_model(tables)
         sight = senses.sight
         self.judged: dict[str, npt.NDArray[np.bool_]] = {}
-        if sight is not None and senses.problem is not None:
+        if sight is not None:
             expected = predict(
                 sight, self.point, [Belief(senses=self.point.senses)] * len(sight.robots)
             )
@@ -172,15 +174,13 @@ class SensePredictions:
             for k in added | taken
             if self.named[k].term.cause.name == NOISE and set(self.named[k].robots) & set(robots)
         ]
-        scales, sight = self.senses.scatter, self.senses.sight
-        if not changed or scales is None or sight is None:
+        keys = [self.named[k].key for k in changed]
+        told = [[part[key][0].value for key in keys if key in part] for part in self.by_part]
+        if not keys or any(len(one) < len(keys) for one in told):
             return {}
-        theirs = {robot for k in changed for robot in self.named[k].robots} & set(robots)
-        mine = [sight.robots.index(robot) for robot in sorted(theirs)]
-        one, other = scales[:, mine]
-        far, near = np.nanmean(np.abs([one, other])), np.nanmean(np.abs(one - other))
-        own, others = np.nanmean(np.abs(one)), np.nanmean(np.abs(other))
-        nearer = bool(near < own and near < others)
+        one, other = np.log(told)
+        far, near = float(np.mean(np.abs([one, other]))), float(np.mean(np.abs(one - other)))
+        nearer = near < min(float(np.mean(np.abs(one))), float(np.mean(np.abs(other))))
         if changed[0] in taken:
             nearer, far, near = not nearer, near, far
         return {
@@ -220,11 +220,11 @@ def _gains(
     What healthy robots leave is known of light alone: beside a wall infrared is off by much more
     now and then, and how often no reference says.
     """
-    sight, problem = predictions.senses.sight, predictions.senses.problem
-    if sight is None or problem is None:
+    sight = predictions.senses.sight
+    if sight is None:
         return {}
     robots = robots_of([named[k] for k in sorted(exported)], sight.robots)
-    sound = _sound(predictions, sight, problem, rng)
+    sound = _sound(predictions, sight)
     result = {}
     for name in READINGS:
         before = predictions.sizes(robots, frozenset(), name)
@@ -251,18 +251,13 @@ def _gains(
     return result
 
 
-def _sound(
-    predictions: SensePredictions, sight: Sight, problem: Problem, rng: np.random.Generator
-) -> FloatArray | None:
-    """(rows, 16) size of the minimal model's errors of a healthy robot that was at the same places;
-    None: nobody knows."""
+def _sound(predictions: SensePredictions, sight: Sight) -> FloatArray | None:
+    """(rows, 16) mean size of the minimal model's errors of a healthy robot that was at the same
+    places, as its noise leaves them; None: nobody knows."""
     reference = predictions.senses.reference
-    if reference is None or not reference.robots or reference.noise is None:
+    if reference is None or not reference.robots:
         return None
     point = predictions.point
     minimal = [Belief(senses=point.senses)] * len(sight.robots)
-    healthy = [reference.base(one) for one in minimal]
-    counts = predict(sight, point, healthy)
-    spread = noise(sight, point, healthy, counts) * np.exp(reference.noise.mean)
-    read = counts + spread * rng.normal(size=counts.shape)
-    return np.asarray(np.abs(read - predict(sight, point, minimal)))
+    size = MEAN_SIZE * noise(sight, point, minimal, predict(sight, point, minimal))
+    return np.asarray(size)

@@ -18,24 +18,20 @@ from realitygap.models.causes.withheld import withheld
 from realitygap.models.diagnosis import Unexplained
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.identify.value import told
-from realitygap.models.information import inverted
 from realitygap.models.naming.findings import Named
-from realitygap.models.senses.predicted import predict
-from realitygap.models.senses.problem import DEGREES, STRETCH, Problem
-from realitygap.models.senses.reference import Level
-from realitygap.models.senses.sight import Rows, Sight
-from realitygap.models.sensing import HALF
+from realitygap.models.naming.health import Health
+from realitygap.models.naming.marginal import EMPTY, Prior, freed, integrated, root_of
+from realitygap.models.naming.threads import one_thread
+from realitygap.models.reference import Column
+from realitygap.models.senses.robot import LATE, SenseRobot
 
 TWINS = ("clock_offset", "command_latency")
-STEP = 0.004
-"""s by which poses are shifted to see what that does to the readings."""
-TURNED = 0.01
-"""rad by which the ring is turned likewise: a turned ring or marker is no shift in time."""
+TURNED = ("ir_rotation.angle",)
+"""A turned ring or marker is no shift in time: it is free beside it."""
 CLEARLY = 9.0
 """Deviance by which one twin must explain the sensors better: three standard deviations."""
 LEAST_ERROR = 0.001
 """s: the sensors are never taken to tell a shift more closely."""
-ITERATIONS = 5
 
 
 class Shift(NamedTuple):
@@ -44,68 +40,35 @@ class Shift(NamedTuple):
     seconds: FloatArray
     """(robots,) NaN where the readings do not tell."""
     error: FloatArray
-    """(robots,) by blocks."""
+    """(robots,)."""
 
 
-def shifts(problem: Problem) -> Shift:
-    """Fit each robot's shift beside a turn of its ring."""
-    sight, beliefs = problem.sight, problem.base
-    late = sight.poses + STEP * _velocity(sight)
-    turned = sight.poses + np.array([0.0, 0.0, TURNED])
-    now = predict(sight, problem.model, beliefs)
-    columns = [
-        np.where(problem.use, (now - predict(replace(sight, poses=p), problem.model, beliefs)), 0.0)
-        / (problem.noise * size)
-        for p, size in ((late, STEP), (turned, TURNED))
-    ]
-    residual = problem.residual((), np.zeros(0))
-    number = len(sight.robots)
-    seconds, error = np.full(number, np.nan), np.full(number, np.inf)
-    for k in range(number):
-        rows = sight.rows_of(k)
-        mine = np.stack([c[rows] for c in columns])
-        seconds[k], error[k] = _fitted(mine, residual[rows], sight.block[rows])
+@one_thread
+def shifts(robots: Sequence[SenseRobot], health: Health) -> Shift:
+    """Each robot's shift beside a turn of its ring, everything that healthy robots differ in
+    integrated out."""
+    names = robots[0].names
+    prior, _ = health.on(names)
+    seconds, error = np.full(len(robots), np.nan), np.full(len(robots), np.inf)
+    if LATE not in names:
+        return Shift(seconds, error)
+    late = names.index(LATE)
+    rest = np.flatnonzero(prior.at != late)
+    inner = prior.root @ prior.root.T
+    others = Prior(prior.at[rest], prior.mean[rest], root_of(inner[np.ix_(rest, rest)]))
+    turned = np.array([k for k, name in enumerate(names) if name in TURNED], dtype=np.int64)
+    for k, one in enumerate(robots):
+        errors = one.own_errors
+        slope = one.pulled(errors[:, None])[0]
+        score = freed(integrated(one.information, slope, float(errors @ errors), others), turned)
+        known = float(score.information[late, late])
+        if known > EMPTY:
+            seconds[k], error[k] = float(score.slope[late]) / known, known**-0.5
     return Shift(seconds, error)
 
 
-def _fitted(columns: FloatArray, start: FloatArray, block: Rows) -> tuple[float, float]:
-    """The first of two linear coefficients, and its error by blocks; NaN where nothing tells."""
-    if not columns[0].any():
-        return float("nan"), float("inf")
-    flat = columns.reshape(len(columns), -1)
-    at = np.zeros(len(columns))
-    for _ in range(ITERATIONS):
-        left = start.ravel() + at @ flat
-        pull = flat * ((DEGREES + 1.0) / (DEGREES + left**2))
-        inverse = inverted(pull @ flat.T)
-        at -= inverse.step(pull @ left)
-    each = (pull * (start.ravel() + at @ flat)).reshape(len(columns), len(start), -1).sum(axis=2)
-    label = np.unique(block, return_inverse=True)[1]
-    meat = np.stack([np.bincount(label, one) for one in each]).astype(np.float64)
-    variance = float(inverse.sandwich(meat @ meat.T)[0, 0])
-    if not np.isfinite(variance):
-        return float("nan"), float("inf")
-    return float(at[0]), STRETCH * float(np.sqrt(variance))
-
-
-def _velocity(sight: Sight) -> FloatArray:
-    """(rows, 3) m/s, m/s, rad/s as measured, over the moments that poses are averaged over.
-
-    0 at the ends of a robot's runs.
-    """
-    there, back = -HALF, HALF
-    moved = np.roll(sight.poses, there, axis=0) - np.roll(sight.poses, back, axis=0)
-    moved[:, 2] = (moved[:, 2] + np.pi) % (2.0 * np.pi) - np.pi
-    took = np.roll(sight.time, there) - np.roll(sight.time, back)
-    usual = float(np.median(took))
-    inside = (took > 0.5 * usual) & (took < 1.5 * usual)
-    for step in (there, back):
-        inside &= np.roll(sight.robot, step) == sight.robot
-    return np.asarray(np.where(inside[:, None], moved / np.where(inside, took, 1.0)[:, None], 0.0))
-
-
 def told_apart(
-    one: Named, robots: Sequence[int], shift: Shift, healthy: Level | None
+    one: Named, robots: Sequence[int], shift: Shift, healthy: Column | None
 ) -> Named | Unexplained:
     """A name of motion with the sensors' word on which of the twins it is, or what is neither.
 
@@ -145,7 +108,7 @@ def _alone(one: Named) -> Named:
 
 
 def _deviances(
-    one: Named, robots: Sequence[int], shift: Shift, healthy: Level
+    one: Named, robots: Sequence[int], shift: Shift, healthy: Column
 ) -> tuple[float, float] | None:
     """Of the sensors' shifts if poses are as late as named, and if they are not late at all."""
     mine = np.isin(np.asarray(robots), one.robots) & np.isfinite(shift.seconds)

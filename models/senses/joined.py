@@ -9,20 +9,24 @@ from realitygap.embedded_sim import PointModel, Tables
 from realitygap.models.causes import Motion
 from realitygap.models.claims import claimed
 from realitygap.models.diagnosis import Unexplained
+from realitygap.models.held_out import parts
 from realitygap.models.identify.examination import Examination
 from realitygap.models.log import MeasuredLog
 from realitygap.models.naming.findings import Named
+from realitygap.models.reference import Column
 from realitygap.models.schema import LS, PS
 from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.claims import sense_claims
 from realitygap.models.senses.clock import TWINS, shifts, swapped, told_apart
 from realitygap.models.senses.diagnose import SenseExamination, diagnose_senses
-from realitygap.models.senses.problem import Problem
 from realitygap.models.senses.reference import SenseReference, no_sense_reference
+from realitygap.models.senses.robot import LATE, SenseLog
 from realitygap.models.senses.sight import look
 
 MARKERS = ("tracker_yaw_offset", "tracker_offset", "clock_offset")
 """Causes in motion that put the measured pose beside the true one."""
+NEVER = Column(mean=0.0, sd=0.0, swarm_sd=0.0)
+"""How late a healthy robot's poses are believed to be where nobody measured it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -96,11 +100,12 @@ def _clocks_told_apart(
     explained = dict(zip(examined.tracks.robots, identified.explained, strict=True))
     told: list[Named | Unexplained] = list(found.named)
     if set(names) & set(TWINS):
-        sight = look(log, model)
+        robots = SenseLog(log, model, look(log, model), of_log=parts(log))
         common = Belief(senses=model.senses)
-        base = [healthy.base(believed.get(robot, common)) for robot in sight.robots]
-        shift = shifts(Problem(sight, model, base, sight.free))
-        told = [told_apart(o, sight.robots, shift, healthy.clock) for o in found.named]
+        base = [believed.get(robot, common) for robot in robots.robots]
+        shift = shifts(robots.at(range(len(base)), base), healthy.learned)
+        late = healthy.columns.get(LATE) if healthy.robots else NEVER
+        told = [told_apart(o, robots.robots, shift, late) for o in found.named]
         for old, new in zip(found.named, told, strict=True):
             if isinstance(new, Named):
                 swap = {robot: swapped(explained[robot], old, new) for robot in new.robots}

@@ -1,113 +1,106 @@
-"""A lamp that stands somewhere else altogether: a grid of places is tried, the best are refined.
+"""A lamp that stands somewhere else altogether: places on a grid are tried, the best are refined.
 
 No step from the null leads to such a lamp, and from a place some decimetres off the fit of all
 readings with their own small noise ends in the next hollow. So the light of a few moments is
 compared by its logarithm: how many times too bright or too dark it is, near a lamp as far from it.
+The places found are whole doses of their causes; the mixed model judges them like any others.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.optimize import minimize
 
-from realitygap.embedded_sim import SENSORS
+from realitygap.embedded_sim import SENSORS, PointModel
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.causes.withheld import withheld
-from realitygap.models.senses.cause import Belief
-from realitygap.models.senses.causes import sense_causes
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.senses.cause import Belief, SenseCause
 from realitygap.models.senses.predicted import predict
-from realitygap.models.senses.problem import DEGREES, Problem, Term
+from realitygap.models.senses.sight import Sight
+from realitygap.models.senses.terms import Doses, applied, sense_terms
 
-MOMENTS = 2000
-"""Rows whose light chooses among leaps; all of them judge the chosen one."""
-ASTRAY = 2.0
-"""Mean error of light, in noise, from which leaps are tried; a sound robot's is about 0.8."""
+MOMENTS = 1000
+"""Rows whose light chooses among places; all of them judge what is chosen. Our choice."""
 DIM = 10.0
 """counts of light, below which it differs by noise alone."""
 ROUGHLY = 0.3
-"""Error of the light's logarithm that a lamp which is a few centimetres off may leave."""
+"""Error of the light's logarithm that a lamp which is a few centimetres off may leave; light that
+is off by less in the mean is within reach of a step from the null."""
+DEGREES = 4.0
+"""Of freedom of that error: some moments are shaded."""
 REFINED = 3
-"""Leaps of each cause, the best, that are refined. Our choice: the nearest is among them."""
+"""Places of each cause, the best, that are refined. Our choice: the nearest is among them."""
 STEP = 0.06
-"""m, or share of a lamp, by which the best leaps are first moved: half of what lies between two."""
+"""m, or share of a lamp, by which the best places are first moved: half of what lies between."""
 NEAR = 0.005
 """The same, from where the fit of all readings finds the place; a lamp's own is no more exact."""
 
 
-class Leap(NamedTuple):
-    """A lamp that stands somewhere else altogether."""
+def far_lamps(sight: Sight, model: PointModel, believed: Sequence[Belief]) -> Doses:
+    """Coordinates of lamps that tell the light better than what is believed, by term.
 
-    term: Term
-    where: FloatArray
-    """(p,) coordinates, as some moments' light tells them."""
-
-    def believed(self, belief: Belief) -> Belief:
-        """A belief with it."""
-        return self.term.cause.believed(belief, self.where, self.term.variant)
-
-
-def far_leap(problem: Problem) -> Leap | None:
-    """The lamp that tells best what light was read; None where light is read so nearly as expected
-    that a step from the null finds whatever there is."""
-    if not _astray(problem):
-        return None
-    seen = _Glimpse(problem)
-    best, least = None, seen.loss()
-    for cause in sense_causes().values():
-        if withheld(cause.name):
-            continue
-        term = Term(cause)
-        tried = sorted(cause.leaps(), key=lambda leap: seen.loss(Leap(term, leap)))
-        for start in tried[:REFINED]:
-            leap, loss = seen.refined(Leap(term, start))
-            if loss < least:
-                best, least = leap, loss
-    return best
-
-
-def _astray(problem: Problem) -> bool:
-    """Whether light is read quite otherwise than expected."""
-    residual = problem.residual((), np.zeros(0))[:, SENSORS:]
-    light = np.abs(residual[problem.use[:, SENSORS:]])
-    return bool(light.size) and float(light.mean()) > ASTRAY
+    Args:
+        sight: Of all robots.
+        model: With tables.
+        believed: Of each robot.
+    """
+    seen = _Glimpse(sight, model, believed)
+    doses: dict[Term, list[FloatArray]] = {}
+    if not seen.astray:
+        return doses
+    for term in sense_terms():
+        assert isinstance(term.cause, SenseCause)
+        places = sorted(term.cause.leaps(), key=lambda place: seen.loss(term, place))
+        refined = [seen.refined(term, place) for place in places[:REFINED]]
+        better = [place for place, loss in refined if loss < seen.least]
+        if better:
+            doses[term] = better
+    return doses
 
 
 class _Glimpse:
     """Light read at some moments of all robots, and how far it is from what is believed."""
 
-    def __init__(self, problem: Problem) -> None:
-        rows = np.unique(np.linspace(0, len(problem.use) - 1, MOMENTS).astype(np.int64))
-        assert problem.model.tables is not None
-        self._dark = problem.model.tables.ls_dark
-        self._model, self._base = problem.model, problem.base
-        self._sight = problem.sight.only(rows)
-        self._use = problem.use[rows, SENSORS:]
+    def __init__(self, sight: Sight, model: PointModel, believed: Sequence[Belief]) -> None:
+        every = np.linspace(0, len(sight.time) - 1, min(MOMENTS, len(sight.time)))
+        rows = np.unique(every.astype(np.int64))
+        assert model.tables is not None
+        self._dark = model.tables.ls_dark
+        self._model, self._believed = model, believed
+        self._sight = sight.only(rows)
+        self._use = self._sight.free[:, SENSORS:]
         self._read = self._level(self._sight.read[:, SENSORS:])
+        error = self._error(believed)
+        self.astray = bool(error.size) and float(np.abs(error).mean()) > 1.0
+        self.least = self._sum(error)
 
-    def loss(self, leap: Leap | None = None) -> float:
-        """Deviance of the light with a leap, or without any."""
-        beliefs = self._base if leap is None else [leap.believed(b) for b in self._base]
-        counts = predict(self._sight, self._model, beliefs)
-        error = (self._read - self._level(counts[:, SENSORS:]))[self._use] / ROUGHLY
-        return float(np.log1p(error**2 / DEGREES).sum())
+    def loss(self, term: Term, place: FloatArray) -> float:
+        """Deviance of the light with a lamp."""
+        return self._sum(self._error([applied(b, term, place) for b in self._believed]))
 
-    def refined(self, leap: Leap) -> tuple[Leap, float]:
-        """The leap near one where the loss is least, and that loss."""
+    def refined(self, term: Term, place: FloatArray) -> tuple[FloatArray, float]:
+        """The place near one where the loss is least, and that loss."""
 
-        def lost(where: FloatArray) -> float:
-            return self.loss(leap._replace(where=where))
+        def lost(there: FloatArray) -> float:
+            return self.loss(term, there)
 
-        where = leap.where
-        simplex = np.vstack([where, where + STEP * np.eye(len(where))])
+        simplex = np.vstack([place, place + STEP * np.eye(len(place))])
         found = minimize(
             lost,
-            where,
+            place,
             method="Nelder-Mead",
             options={"initial_simplex": simplex, "xatol": NEAR, "fatol": 1.0},
         )
-        return leap._replace(where=np.asarray(found.x)), float(found.fun)
+        return np.asarray(found.x), float(found.fun)
+
+    def _error(self, believed: Sequence[Belief]) -> FloatArray:
+        counts = predict(self._sight, self._model, believed)
+        return np.asarray((self._read - self._level(counts[:, SENSORS:]))[self._use] / ROUGHLY)
+
+    def _sum(self, error: FloatArray) -> float:
+        return float(np.log1p(error**2 / DEGREES).sum())
 
     def _level(self, counts: FloatArray) -> FloatArray:
         """Logarithm of the light that takes so many counts off the dark."""

@@ -25,6 +25,9 @@ QUANTITIES = {
     "neighbour": "how near the next robot is",
     "food": "whether the robot is on food",
     "nest": "whether the robot is in the nest",
+    "noise": "whatever is before them",
+    "bearing_nest": "where around the nest it is",
+    "distance_nest": "how far from the nest's middle it is",
 }
 """In words."""
 
@@ -56,12 +59,12 @@ def of_rows(sight: Sight, model: PointModel) -> dict[Key, FloatArray]:
     }
     for px, py in _points(model.arena_radius):
         away = (x - px) ** 2 + (y - py) ** 2
-        values["point", f" ({px:.2f}, {py:.2f}) m"] = np.exp(-0.5 * away / SPOT**2)
+        values["point", f" ({1e3 * px:.0f}, {1e3 * py:.0f}) mm"] = np.exp(-0.5 * away / SPOT**2)
     for swings in range(SLOWEST, FASTEST + 1):
         period = LONGEST / swings
         phase = 2.0 * np.pi * sight.time / period
-        values["time", f" sin {period:.1f} s"] = np.sin(phase)
-        values["time", f" cos {period:.1f} s"] = np.cos(phase)
+        values["time", f" sin {swings} in two minutes"] = np.sin(phase)
+        values["time", f" cos {swings} in two minutes"] = np.cos(phase)
     place = sight.neighbours.place
     if place.shape[1] > 1:
         apart = np.hypot(place[..., 0] - x[:, None], place[..., 1] - y[:, None]).min(axis=1)

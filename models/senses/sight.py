@@ -29,7 +29,18 @@ Rows = npt.NDArray[np.int64]
 MOST_ROWS = 32_000
 """Rows used of a log, evenly in time: more sharpen nothing that differences between healthy robots
 and errors of the captured tables leave visible."""
-BY_ROW = ("time", "scenario", "poses", "spread", "read", "free", "block", "part", "commanded")
+BY_ROW = (
+    "time",
+    "run",
+    "scenario",
+    "poses",
+    "spread",
+    "read",
+    "free",
+    "block",
+    "part",
+    "commanded",
+)
 """What a `Sight` has for every row."""
 STATES = ("food", "nest")
 """Columns of the virtual sensor."""
@@ -48,6 +59,8 @@ class Sight:
     """(robots + 1,) first row of each robot, and the row count."""
     time: FloatArray
     """(rows,) s since the run began."""
+    run: Rows
+    """(rows,) the stretch of one robot's rows in one run, counted through."""
     scenario: npt.NDArray[np.int32]
     """(rows,) lamp scenario, -1 where the log does not say."""
     poses: FloatArray
@@ -76,6 +89,14 @@ class Sight:
     def rows_of(self, robot: int) -> slice:
         """Rows of a robot, given by index."""
         return slice(int(self.begin[robot]), int(self.begin[robot + 1]))
+
+    def of(self, robot: int) -> Sight:
+        """One robot's, given by index."""
+        rows = np.arange(*self.begin[robot : robot + 2])
+        some = self.only(rows)
+        return replace(
+            some, robots=(self.robots[robot],), begin=np.array([0, len(rows)], dtype=np.int64)
+        )
 
     def only(self, rows: Rows) -> Sight:
         """Some rows, in order."""
@@ -135,6 +156,7 @@ def look(
         robots=tuple(int(r) for r in ids),
         begin=np.searchsorted(who, np.arange(len(ids) + 1)),
         time=time,
+        run=log.segment[rows],
         scenario=scenario,
         poses=np.ascontiguousarray(poses),
         spread=_spread(noise, count),

@@ -33,7 +33,7 @@ FOLLOWS: Mapping[str, frozenset[str]] = {
         "floor_tilt": "heading",
         # infrared: all readings of a sensor, or of what it looks at
         "ir_gain": "always level sensor",
-        "wall_albedo": "always level target",
+        "wall_albedo": "always level",
         "ir_dead_sensor": "sensor",
         "ir_rotation": "bearing",
         "ir_offset": "always",

@@ -10,26 +10,20 @@ import seaborn as sns
 from matplotlib.figure import Figure
 
 from realitygap.models.senses.diagnose import SenseExamination
-from realitygap.models.senses.structure import KINDS
+from realitygap.models.senses.readings import CHANGES, KINDS
 
 DPI = 100
 
 
 def far_from_health(senses: SenseExamination) -> pd.DataFrame:
     """Standard deviations from health: `channel`, `quantity`, `robot`, `z`."""
-    if senses.sight is None or senses.reference is None:
-        return pd.DataFrame(columns=["channel", "quantity", "robot", "z"])
     rows = []
-    for one in senses.structure:
-        health = senses.reference.health(one.key)
-        if health is None:
-            continue
-        far = np.abs(one.size - health.mean) / np.hypot(one.error, health.sd)
-        rows += [
-            (one.channel, one.quantity.replace("_", " "), robot, float(z))
-            for robot, z in zip(senses.sight.robots, far, strict=True)
-            if np.isfinite(z)
-        ]
+    for key, far in senses.away.items():
+        channel, change, quantity = key.split("/", 2)
+        if senses.found is not None and channel in KINDS and change in CHANGES:
+            plain = quantity.partition(" ")[0].replace("_", " ")
+            robots = zip(senses.found.state.tracks.robots, far, strict=True)
+            rows += [(channel, plain, robot, float(z)) for robot, z in robots]
     return pd.DataFrame(rows, columns=["channel", "quantity", "robot", "z"])
 
 

@@ -14,7 +14,6 @@ from realitygap.models.causes.withheld import without
 from realitygap.models.identify.candidates import candidates
 from realitygap.models.naming.flexible import QUANTITIES as OF_MOTION
 from realitygap.models.senses.quantities import QUANTITIES as OF_READINGS
-from realitygap.models.senses.unnamed import SEEN
 from realitygap.studies.blind.battery import run_battery
 from realitygap.studies.blind.left_out import FOLLOWS, quantity_right
 from realitygap.studies.blind.record import diagnose
@@ -38,8 +37,7 @@ def test_every_effect_is_left_out_by_turns_clearly_above_its_bar() -> None:
 
 def test_what_an_unknown_follows_is_said_of_every_effect_in_words_of_a_diagnosis() -> None:
     assert set(FOLLOWS) == set(MENU)
-    direct = {quantity for _, quantity, _ in SEEN.values()}
-    assert set().union(*FOLLOWS.values()) <= {*OF_MOTION, *OF_READINGS, *direct}
+    assert set().union(*FOLLOWS.values()) <= {*OF_MOTION, *OF_READINGS}
 
 
 def test_a_withheld_cause_is_not_tried_and_comes_back_afterwards() -> None:

@@ -12,13 +12,11 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import pytest
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes import Cause, Parameter
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.identify.tracks import BLOCK_WINDOWS, Tracks
-from realitygap.models.naming import state as states
 from realitygap.models.naming.columns import Item
 from realitygap.models.naming.health import Health
 from realitygap.models.naming.state import State
@@ -71,6 +69,40 @@ class ToyRobot:
     """(rows, k)."""
 
     @property
+    def items(self) -> Any:
+        return self.made.items
+
+    @property
+    def names(self) -> Any:
+        return self.made.names
+
+    @property
+    def block(self) -> Any:
+        return self.tracks.block
+
+    def pulled(self, rows: FloatArray) -> FloatArray:
+        """(p, k)."""
+        return np.asarray(rows.T @ self.columns)
+
+    def by_window(self, rows: FloatArray) -> FloatArray:
+        """(windows,)."""
+        return np.asarray(rows.reshape(len(self.tracks.first), -1).sum(axis=1))
+
+    def by_run(self, column: int) -> list[FloatArray]:
+        """Of each run, (rows,) its column there."""
+        run = self.tracks.row_segment[self.tracks.rows[self.tracks.first]]
+        white = self.columns[:, column].reshape(len(run), -1)
+        return [np.where((run == one)[:, None], white, 0.0).ravel() for one in np.unique(run)]
+
+    def applied(self, motion: Any, term: Term, coordinates: FloatArray) -> Any:
+        """A motion with a cause."""
+        return term.cause.applied(motion, coordinates, term.variant)
+
+    def moved(self, motion: Any, _: Any) -> Any:
+        """Elsewhere, where its columns are the same."""
+        return replace(self, motion=motion)
+
+    @property
     def information(self) -> FloatArray:
         """(k, k)."""
         return np.asarray(self.columns.T @ self.columns)
@@ -121,12 +153,6 @@ def state_of(
     base: Any = ((),) * robots
     toys: Any = each
     return State(cut, base, toys, health or nobody())
-
-
-@pytest.fixture
-def linear(monkeypatch: pytest.MonkeyPatch) -> None:
-    """At other motions a toy's columns are the same."""
-    monkeypatch.setattr(states, "moved", lambda robot, motion, _: replace(robot, motion=motion))
 
 
 def sound(names: Sequence[str], sd: Sequence[float], swarm: Sequence[float]) -> Health:

@@ -12,7 +12,7 @@ from scipy import stats
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.identify.threshold import POSSIBLE, bracket
-from realitygap.models.naming import identify
+from realitygap.models.naming import verdict
 from realitygap.models.naming.columns import Item
 from realitygap.models.naming.findings import Follows, Named
 from realitygap.models.naming.fitter import Fitter
@@ -24,10 +24,7 @@ from realitygap.models.naming.separable import inseparable
 from realitygap.models.naming.state import SWARM, Kept, State
 from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates
-from tests.models.linear import cause, flexible, item, linear, name_of, sound, state_of
-
-__all__ = ["linear"]
-pytestmark = pytest.mark.usefixtures("linear")
+from tests.models.linear import cause, flexible, item, name_of, sound, state_of
 
 A, B, C = cause("a"), cause("b"), cause("c")
 GATES = Gates()
@@ -223,7 +220,7 @@ def test_a_cause_is_replaced_by_what_does_clearly_better_and_leaves_it_little(
     told = Score(x.T @ x, x.T @ y, float(y @ y))
     items = (item(cause("a", feigns=feigns), 0), flexible("place", 1, always=2))
     one, other = sorted(offers(told, items, KNOWN), key=lambda offer: offer.item.key)
-    found = _replacing(told, one, one.gain, [other])
+    found = _replacing(told, one, one.gain, [other], np.zeros(len(told.slope)))
     assert (found.key if found else None) == ("speed/place" if replaced else None)
 
 
@@ -349,7 +346,7 @@ def test_circles_do_not_tell_two_causes_that_may_differ_from_run_to_run(
 
 
 def judged(state: State, scope: int) -> Any:
-    return identify._judged(state, scope, GATES)[1]
+    return verdict.judge(state, scope, GATES)[1]
 
 
 def test_a_cause_is_worth_what_is_lost_without_it() -> None:
@@ -422,16 +419,16 @@ def unknown(gain: float, *robots: int) -> Follows:
 
 def test_a_name_much_weaker_than_something_unknown_in_its_robot_is_none() -> None:
     strong, weak, elsewhere = named(60.0, 1), named(40.0, 1), named(40.0, 2)
-    found = identify._beside([strong, weak, elsewhere], [unknown(100.0, 1)])
+    found = verdict.standing([strong, weak, elsewhere], [unknown(100.0, 1)])
     assert found == [strong, elsewhere]
-    assert identify._beside([strong, weak], [unknown(200.0, 0, 1, 2)]) == []
+    assert verdict.standing([strong, weak], [unknown(200.0, 0, 1, 2)]) == []
 
 
 def test_what_follows_something_is_worth_what_it_takes_off_beside_the_causes() -> None:
     state = search(log(columns(19), {(0, 0): 20.0, (0, 3): 12.0}), GATES, KNOWN)
-    (one,) = identify._follows(Weighed(state), 0, 400.0, GATES)
+    (one,) = verdict.following(Weighed(state), 0, 400.0, GATES)
     assert (one.quantity, one.robots, one.whole_swarm) == ("heading", (0,), False)
     assert one.gain == pytest.approx(144.0, rel=0.4)
-    assert identify._follows(Weighed(state), 0, 1e4, GATES) == []
+    assert verdict.following(Weighed(state), 0, 1e4, GATES) == []
     strict = Gates(flexible=300.0)
-    assert identify._follows(Weighed(state), 0, 400.0, strict) == []
+    assert verdict.following(Weighed(state), 0, 400.0, strict) == []

@@ -21,13 +21,17 @@ from realitygap.models.identify.hypothesis import Fit, Term
 from realitygap.models.identify.inherent import INHERENT
 from realitygap.models.log import make_log
 from realitygap.models.modelfile import read_model_file
+from realitygap.models.naming.columns import Item
 from realitygap.models.proposal import motion
 from realitygap.models.proposal.menu import ENOUGH, Proposal, distance, flights, ranked
 from realitygap.models.proposal.propose import with_proposal
 from realitygap.models.reference import Column, Reference, no_reference
 from realitygap.models.repertoire import manoeuvres
 from realitygap.models.senses import nest
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.causes import sense_causes
 from realitygap.models.senses.joined import with_senses
+from realitygap.models.senses.terms import columns_of
 from tests.models.small import driven_log
 
 MODEL = read_model_file("epuck")
@@ -152,7 +156,7 @@ def test_weak_motors_without_encoders_ask_for_steps_with_encoders() -> None:
 
 def test_a_nest_displaced_is_told_from_a_larger_one_where_all_its_edge_is_crossed() -> None:
     model = PointModel()
-    shift = np.array([-0.03, 0.0, 0.0])
+    moved = Belief(nest_shift=(-0.03, 0.0))
     lost = {}
     for name, angles in (("one place", [np.pi]), ("all round", np.linspace(1.7, 4.6, 8))):
         reach = np.linspace(0.1, 0.3, 201)
@@ -160,10 +164,19 @@ def test_a_nest_displaced_is_told_from_a_larger_one_where_all_its_edge_is_crosse
             np.concatenate([centre + reach * turn(a) for a in angles])
             for centre, turn in ((model.nest[0], np.cos), (model.nest[1], np.sin))
         )
-        inside = np.hypot(x - model.nest[0] - shift[0], y - model.nest[1]) < model.nest[2]
-        rows = np.arange(len(x))
-        seen = nest.Answers(np.column_stack([x, y]), inside, rows, rows, rows)
-        lost[name] = nest.lost_by(seen, model.nest, shift, "nest_radius")
+        at_x, at_y, radius = moved.of(model).nest
+        rows, none = np.arange(len(x)), np.zeros(len(x), dtype=np.int64)
+        inside = np.hypot(x - at_x, y - at_y) < radius
+        leg = rows // len(reach)
+        told = nest.Answers(np.column_stack([x, y]), inside, none, none, rows, leg, 0.0 * rows)
+        edge = nest.Crossings(told, 0, model)
+        (larger,) = columns_of(
+            Item(Term(sense_causes()["nest_radius"], ""), None, "", "", ()), Belief(), edge.errors
+        )
+        errors = edge.errors(Belief())
+        fitted = larger * (larger @ errors) / (larger @ larger)
+        lost[name] = float(np.sum((errors - fitted) ** 2))
+        assert np.abs(edge.errors(moved)).max() < 3.0**0.5 + 1e-6, "uniform between two poses"
     assert lost["one place"] < 5.0
     assert lost["all round"] > 100.0
 

@@ -20,7 +20,7 @@ from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.causes import sense_causes
 from realitygap.models.senses.diagnose import SenseExamination, diagnose_senses
 from realitygap.models.senses.neighbours import Neighbours
-from realitygap.models.senses.problem import Problem, Term
+from realitygap.models.senses.readings import Eye
 from realitygap.models.senses.reference import (
     no_sense_reference,
     read_sense_reference,
@@ -33,8 +33,7 @@ from realitygap.reality.effects import catalogue
 MODEL = load_model()
 ROBOTS, SECONDS, STEP = 4, 60.0, 0.04
 CENTRES = np.array([[0.25, 0.0], [-0.25, 0.05], [0.05, 0.25], [0.0, -0.28]])
-REFERENCE = no_sense_reference("e-puck").model_copy(update={"inherent": {"ir_offset": -0.19}})
-"""Readings are whole counts and never below zero: a healthy robot seems to read a little less."""
+REFERENCE = no_sense_reference("e-puck")
 HEALTHY = Belief()
 
 
@@ -239,17 +238,26 @@ def test_without_a_reference_a_part_of_a_count_is_no_offset() -> None:
 
 def test_readings_that_a_robot_may_shade_from_a_second_lamp_are_left_out() -> None:
     sight = look(make_log(table({}), drive=MODEL.drive), MODEL)
-    problem = Problem(sight, MODEL, [HEALTHY] * ROBOTS, sight.free)
-    lamp = Term(sense_causes()["second_lamp"])
+    eye = Eye(sight.of(0), MODEL)
     x, y = sight.neighbours.place[0, 1]  # beyond a robot, as the first row's robot sees it
     away = np.array([x, y]) - sight.poses[0, :2]
     behind = np.array([x, y]) + 0.6 * away / np.hypot(*away)
-    before = problem.use.copy()
-    nothing = problem.fit((), np.zeros(0))
-    problem.judge_anew(replace(nothing, terms=(lamp,), coordinates=np.array([*behind, 0.1])))
-    lost = before & ~problem.use
-    far = np.hypot(*(sight.poses[:, :2] - behind).T) > 0.4  # not what is left out near the lamp
+    before = eye.usable(HEALTHY)
+    lost = before & ~eye.usable(with_senses(second_lamp=(*behind.tolist(), 0.1)))
+    far = np.hypot(*(eye.sight.poses[:, :2] - behind).T) > 0.4  # not what is left out near the lamp
     assert lost[far, 8:].any()
     assert not lost[:, :8].any()
-    assert problem.use[:, 8:].mean() > 0.5 * before[:, 8:].mean()
-    assert (sight.free == before).all(), "the log's own view must stay as it is"
+    assert lost[:, 8:].mean() < 0.5
+    assert (eye.sight.free == before).all(), "the log's own view must stay as it is"
+
+
+def test_a_cause_of_the_place_is_named_for_all_whose_robots_are_few() -> None:
+    frame = table({}, everybody=with_senses(lamp_intensity=0.9))
+    alone = examined(frame[frame["robot"] == 0])
+    assert names(alone) == [("lamp_intensity", "", "all")]
+
+
+def test_a_reference_of_another_schema_is_refused_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "old.json").write_text('{"schema_version": 1, "model": "e"}', encoding="utf-8")
+    with pytest.raises(InputError, match=r"schema_version: got 1, expected 2; make it anew"):
+        read_sense_reference(tmp_path / "old.json")

@@ -8,18 +8,20 @@ import pytest
 from realitygap.models.causes import ALL, causes
 from realitygap.models.causes.withheld import without
 from realitygap.models.diagnosis import Unexplained
+from realitygap.models.held_out import parts
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.identify.value import Value
 from realitygap.models.log import make_log
 from realitygap.models.naming.findings import Evidence, Named
+from realitygap.models.reference import Column
 from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.clock import Shift, shifts, told_apart
-from realitygap.models.senses.problem import Problem
-from realitygap.models.senses.reference import Level
+from realitygap.models.senses.reference import no_sense_reference
+from realitygap.models.senses.robot import SenseLog
 from realitygap.models.senses.sight import look
 from tests.models.test_senses import MODEL, STEP, table
 
-HEALTHY = Level(sd=0.001)
+HEALTHY = Column(mean=0.0, sd=0.001, swarm_sd=0.0)
 
 
 def late(seconds: float, name: str, *others: str) -> Named:
@@ -60,8 +62,9 @@ def test_poses_stamped_late_shift_against_the_readings_of_their_robot_alone() ->
         values = frame.loc[mine, name].to_numpy()
         at = np.arange(len(values)) - 0.016 / STEP
         frame.loc[mine, name] = np.interp(at, np.arange(len(values)), np.unwrap(values))
-    sight = look(make_log(frame, drive=MODEL.drive), MODEL)
-    found = shifts(Problem(sight, MODEL, [Belief()] * 4, sight.free))
+    log = make_log(frame, drive=MODEL.drive)
+    robots = SenseLog(log, MODEL, look(log, MODEL), of_log=parts(log))
+    found = shifts(robots.at(range(4), [Belief()] * 4), no_sense_reference("toy").learned)
     assert found.seconds[1] == pytest.approx(0.016, abs=4.0 * found.error[1])
     assert found.seconds[1] > 8.0 * found.error[1]
     others = [0, 2, 3]

@@ -10,7 +10,6 @@ from realitygap.models.causes.withheld import without
 from realitygap.models.diagnosis import Unexplained
 from realitygap.models.schema import LS, PS
 from realitygap.models.senses.diagnose import SenseExamination
-from realitygap.models.senses.structure_health import of_healthy
 from tests.models.test_senses import MODEL, examined, names, table, with_senses
 
 
@@ -59,18 +58,6 @@ def test_what_one_robot_has_is_left_for_that_robot() -> None:
     assert found.unexplained[0].quantity == "time"
 
 
-@pytest.mark.parametrize(("seconds", "told"), [(8.0, False), (40.0, True)])
-def test_what_a_few_seconds_of_readings_tell_is_not_judged(seconds: float, told: bool) -> None:
-    frame = table({})
-    frame.loc[(frame["robot"] == 2) & (frame["t"] > seconds), list(LS)] = np.nan
-    found = examined(frame)
-    assert found.sight is not None
-    mine = found.sight.robots.index(2)
-    light = [one for one in found.structure if one.channel == "light"]
-    assert light
-    assert any(np.isfinite(one.size[mine]) for one in light) == told
-
-
 def test_a_named_cause_stands_beside_what_it_does_not_explain() -> None:
     frame = table({}, everybody=with_senses(lamp_intensity=0.9))
     swing = 0.04 * np.sin(2.0 * np.pi * frame["t"].to_numpy() / 8.0)
@@ -97,21 +84,6 @@ def test_a_fault_whose_cause_is_withheld_is_left_unexplained(
     mine: list[Unexplained] = [one for one in found.unexplained if one.robots == (2,)]
     assert {one.quantity for one in mine} & quantities
     assert examined(table({2: with_senses(**changes)})).named
-
-
-def test_the_family_is_judged_by_the_most_conspicuous_term_of_a_healthy_log() -> None:
-    random = np.random.default_rng(3)
-
-    def log(strange: float) -> dict[str, np.ndarray]:
-        rows = {f"light/share/{k}": random.normal(0.0, 0.01, 5) for k in range(4)}
-        rows["light/share/0"][0] += strange
-        return {key: np.column_stack([one, np.full(5, 0.01)]) for key, one in rows.items()}
-
-    calm, reached = of_healthy([log(0.0) for _ in range(10)])
-    assert set(calm) == {f"light/share/{k}" for k in range(4)}
-    assert reached < 1.0
-    _, wild = of_healthy([*(log(0.0) for _ in range(10)), log(0.2)])
-    assert wild > 2.0
 
 
 def test_a_cause_that_only_mimics_a_withheld_one_is_not_named_alone() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 import pytest
@@ -18,7 +19,6 @@ from realitygap.models.schema import PS
 from realitygap.models.senses.cause import Belief, SenseCause
 from realitygap.models.senses.causes import sense_causes
 from realitygap.models.senses.diagnose import SenseExamination, diagnose_senses
-from realitygap.models.senses.naming import noise_named
 from realitygap.models.senses.reference import SenseReference, shipped_sense_reference
 from tests.models.test_identify import HEALTHY, diagnosed, names, reference, table
 from tests.models.test_identify import MODEL as PLAIN
@@ -69,15 +69,26 @@ def test_a_cause_in_the_senses_that_is_new_to_the_reference_accuses_nobody(
 
 
 def test_without_the_healthy_noise_no_robot_is_called_noisy_and_it_is_said() -> None:
-    found = examined(shipped().model_copy(update={"noise": None}))
+    found = examined(without_columns(shipped(), "ir_noise.", "infrared/noise"))
     assert found.named == ()
     assert any(text.startswith("ir_noise: not named") for text in found.not_checked)
-    assert noise_named([(0.0, np.inf, False)], (0,)) == ()
 
 
-def knowing(chosen: Callable[[str], bool]) -> Reference:
-    """The healthy reference with some coefficients alone."""
-    whole = reference()
+def test_without_what_robots_reflect_the_wall_is_not_told_from_the_sensors() -> None:
+    found = examined(without_columns(shipped(), "targets."))
+    assert any("ir_gain and wall_albedo of all robots" in text for text in found.not_checked)
+
+
+Kept = TypeVar("Kept", Reference, SenseReference)
+
+
+def without_columns(whole: Kept, *begin: str) -> Kept:
+    """A reference without the coefficients of such names."""
+    return only(whole, lambda name: not name.startswith(begin))
+
+
+def only(whole: Kept, chosen: Callable[[str], bool]) -> Kept:
+    """A reference with some coefficients alone."""
     kept = [chosen(name) for name in whole.causes]
     related = np.array(whole.correlation)[np.ix_(kept, kept)]
     return whole.model_copy(
@@ -87,6 +98,11 @@ def knowing(chosen: Callable[[str], bool]) -> Reference:
             "correlation": tuple(map(tuple, related.tolist())),
         }
     )
+
+
+def knowing(chosen: Callable[[str], bool]) -> Reference:
+    """The healthy reference with some coefficients alone."""
+    return only(reference(), chosen)
 
 
 def test_a_cause_in_motion_that_the_reference_does_not_know_is_not_named() -> None:

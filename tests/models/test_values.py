@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 
 import numpy as np
@@ -18,15 +17,15 @@ from realitygap.models.diagnosis import Diagnosis, as_json, extension
 from realitygap.models.extension import NamedCause, ParameterValue
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.identify.value import values
+from realitygap.models.log import make_log
 from realitygap.models.naming.findings import Evidence, Named
+from realitygap.models.reference import Column
 from realitygap.models.senses.cause import Belief, SenseCause
 from realitygap.models.senses.causes import sense_causes
 from realitygap.models.senses.clock import Shift, told_apart
-from realitygap.models.senses.naming import fitted_named, noise_named
-from realitygap.models.senses.problem import SWARM
-from realitygap.models.senses.problem import Term as SenseTerm
-from realitygap.models.senses.reference import Level, no_sense_reference
-from realitygap.models.senses.select import Found
+from realitygap.models.senses.diagnose import diagnose_senses
+from tests.models.test_senses import MODEL
+from tests.models.test_senses import table as sensed
 
 QUIET = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
 TERMS = [(name, v) for name, cause in every_cause().items() for v in cause.variants]
@@ -81,64 +80,34 @@ def test_any_fit_is_a_value_with_an_interval_around_it(name: str, data: st.DataO
     size = len(cause.parameters)
     here, error = coordinates(cause, data), [data.draw(ERROR) for _ in range(size)]
     spread = np.array([data.draw(ERROR) for _ in range(size)])
-    if isinstance(cause, SenseCause):
-        found = Found(
-            term=SenseTerm(cause, cause.variants[0]),
-            coordinates=here,
-            error=np.array(error),
-            gain=20.0,
-            share=0.1,
-            distance=9.0,
-        )
-        told = fitted_named([found], (3,), no_sense_reference(""))[0].values
-    else:
-        fastest = data.draw(st.floats(0.0, 1e4))
-        covariance = np.diag(np.square(np.minimum(error, 1e150)))
-        commands = np.full((3, 2), fastest)
-        told = values(
-            Term(cause, cause.variants[0]), here, covariance, commands, np.zeros(size), spread
-        )
+    fastest = data.draw(st.floats(0.0, 1e4))
+    covariance = np.diag(np.square(np.minimum(error, 1e150)))
+    commands = np.full((3, 2), fastest)
+    told = values(
+        Term(cause, cause.variants[0]), here, covariance, commands, np.zeros(size), spread
+    )
     assert all(one.low <= one.value <= one.high for one in told)
     given = {v.name: ParameterValue(value=v.value, low=v.low, high=v.high) for v in told}
     as_file(cause, cause.variants[0], given)
 
 
-@pytest.mark.parametrize("robots", [(0,), (0, 4), (0, 1, 2)], ids=["one", "two", "three"])
-@pytest.mark.parametrize("name", [n for n, c in sense_causes().items() if c.place])
+FAR_FROM_NULL = {"lamp_intensity": np.array([0.2]), "light_falloff": np.array([0.3])}
+
+
+@pytest.mark.parametrize("robots", [(0,), (0, 3), (0, 1, 2)], ids=["one", "two", "three"])
+@pytest.mark.parametrize("name", FAR_FROM_NULL)
 def test_what_belongs_to_the_place_is_everybodys_however_many_they_are(
     name: str, robots: tuple[int, ...]
 ) -> None:
     cause = sense_causes()[name]
-    size = len(cause.parameters)
-    found = Found(
-        term=SenseTerm(cause, cause.variants[0], SWARM),
-        coordinates=np.full(size, 0.1),
-        error=np.full(size, 0.01),
-        gain=20.0,
-        share=0.1,
-        distance=9.0,
-    )
-    named = fitted_named([found], robots, no_sense_reference(""))
+    frame = sensed({}, everybody=cause.believed(Belief(), FAR_FROM_NULL[name], ""))
+    some = frame[frame["robot"].isin(robots)]
+    found = diagnose_senses(make_log(some, drive=MODEL.drive), MODEL, None)
+    named = tuple(one for one in found.named if one.term.cause.place)
+    assert named
     written = extension(Diagnosis(named=named, robots=robots), log_hash="", command="")
     assert written.causes[0].robots == "all"
     assert as_json(Diagnosis(named=named, robots=robots))["causes"][0]["robots"] == "all"
-
-
-KNOWN = st.tuples(st.floats(-4.0, 4.0), st.floats(1e-3, 1.0), st.booleans())
-UNKNOWN = st.tuples(st.floats(-4.0, 4.0), st.just(math.inf), st.just(True))
-
-
-@QUIET
-@given(st.lists(st.one_of(KNOWN, UNKNOWN), min_size=1, max_size=6))
-def test_noise_that_few_robots_tell_is_told_in_numbers(
-    noisy: list[tuple[float, float, bool]],
-) -> None:
-    named = noise_named(noisy, tuple(range(len(noisy))))
-    content = as_json(Diagnosis(named=named))
-    json.dumps(content, allow_nan=False)
-    extension(Diagnosis(named=named), log_hash="", command="")
-    whole = [one for one in named if one.whole_swarm]
-    assert bool(whole) == any(s and u != 0.0 and math.isfinite(e) for u, e, s in noisy)
 
 
 def test_a_clock_far_too_early_is_not_called_a_latency_that_cannot_be() -> None:
@@ -163,7 +132,12 @@ def test_a_clock_far_too_early_is_not_called_a_latency_that_cannot_be() -> None:
         twins=(Term(LATENCY, ""),),
     )
     in_time = Shift(np.zeros(1), np.full(1, 1e-3))
-    said = told_apart(named, (0,), in_time, Level())
+    said = told_apart(
+        named,
+        (0,),
+        in_time,
+        Column(mean=0.0, sd=0.0, swarm_sd=0.0),
+    )
     assert isinstance(said, Named)
     extension(Diagnosis(named=(said,)), log_hash="", command="")
     assert told_apart(named, (0,), in_time, None) is named

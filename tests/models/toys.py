@@ -1,6 +1,6 @@
-"""Linear channels with Gaussian errors, whose statistics are known, for the engines of naming.
+"""Linear channels with Gaussian errors, whose statistics are known, for the engine of fits.
 
-A toy log is `y = X theta + e`, rows in blocks. Everything that knows how an engine is called is in
+A toy log is `y = X theta + e`, rows in blocks. Everything that knows how the engine is called is in
 this module; the tests speak of logs, terms and blocks.
 """
 
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,14 +17,8 @@ from realitygap.models.causes import Cause, Motion, Parameter
 from realitygap.models.identify.fit import Problem as MotionProblem
 from realitygap.models.identify.hypothesis import Term as MotionTerm
 from realitygap.models.identify.residual import DEGREES as MOTION_DEGREES
-from realitygap.models.identify.tracks import BLOCK_WINDOWS, Tracks
+from realitygap.models.identify.tracks import BLOCK_WINDOWS, Rows, Tracks
 from realitygap.models.noise import PoseNoise
-from realitygap.models.senses.cause import SenseCause
-from realitygap.models.senses.problem import DEGREES as SENSE_DEGREES
-from realitygap.models.senses.problem import FOLDS as SENSE_FOLDS
-from realitygap.models.senses.problem import Problem as SenseProblem
-from realitygap.models.senses.problem import Term as SenseTerm
-from realitygap.models.senses.sight import Rows
 
 WIDE = 1e6
 """Bounds that no toy reaches."""
@@ -50,18 +43,6 @@ def motion_term(name: str, number: int = 1, **more: Any) -> MotionTerm:
         **more,
     )
     return MotionTerm(cause, "")
-
-
-def sense_term(name: str, number: int = 1, robot: int = -1) -> SenseTerm:
-    """A term of the senses that makes the column of its name."""
-    cause = SenseCause(
-        name=name,
-        meaning=name,
-        parameters=parameters(number),
-        sense=lambda belief, values, variant: belief,
-        kind="ps",
-    )
-    return SenseTerm(cause, "", robot)
 
 
 def tracks(robots: int, blocks: int, rows: int) -> Tracks:
@@ -117,38 +98,6 @@ class MotionToy(MotionProblem):
         return np.column_stack([left, np.zeros((len(left), 2))])
 
 
-class SenseToy(SenseProblem):
-    """The engine of the senses on a linear channel."""
-
-    def __init__(self, y: FloatArray, columns: Mapping[str, FloatArray]) -> None:
-        """Prepare; shapes as `MotionToy`, terms shared by all robots unless they name one."""
-        robots, blocks, rows = y.shape
-        total = y.size
-        self.sight: Any = SimpleNamespace(
-            robots=tuple(range(robots)),
-            block=np.repeat(np.arange(robots * blocks), rows),
-            rows_of=lambda k: slice(k * blocks * rows, (k + 1) * blocks * rows),
-            read=np.zeros((total, 16)),
-        )
-        self.base = []
-        self.use = np.zeros((total, 16), dtype=np.bool_)
-        self.use[:, 0] = True
-        self.noise = np.ones((total, 16))
-        self.blocks = robots * blocks
-        self.fold = np.arange(self.blocks) % SENSE_FOLDS
-        self._y = y.ravel()
-        self._x = {name: x.reshape(total, -1) for name, x in columns.items()}
-
-    def residual(self, terms: Any, coordinates: FloatArray, robots: Any = None) -> FloatArray:
-        """(rows, 16) errors, all of them in the first sensor."""
-        left, at = self._y.copy(), 0
-        for term in terms:
-            x, rows = self._x[term.cause.name], self.rows(term)
-            left[rows] -= x[rows] @ coordinates[at : at + term.size]
-            at += term.size
-        return np.column_stack([left, np.zeros((len(left), 15))])
-
-
 @dataclass(frozen=True)
 class Fitted:
     """What an engine says of one term fitted to each of some logs."""
@@ -173,27 +122,3 @@ def fit_motion(y: FloatArray, x: FloatArray, *, at: FloatArray | None = None) ->
     gain = problem.by_group(problem.gain(none, fit)) / ((MOTION_DEGREES + 1.0) / MOTION_DEGREES)
     fold = np.arange(y.shape[1]) % 5
     return Fitted(fit.coordinates, fit.covariance, gain, fold)
-
-
-def fit_senses(y: FloatArray, x: FloatArray, *, at: FloatArray | None = None) -> Fitted:
-    """The engine of the senses; each log a problem of its own."""
-    values, covariances, gains = [], [], []
-    for k in range(len(y)):
-        problem = SenseToy(y[k : k + 1], {"x": x[k : k + 1]})
-        term = sense_term("x", x.shape[3])
-        none = problem.fit((), np.zeros(0))
-        if at is None:
-            fit = problem.fit((term,), np.zeros(x.shape[3]))
-        else:
-            residual = problem.residual((term,), at[k])
-            columns = problem.columns((term,), at[k], residual)
-            fit = problem.finished((term,), at[k], residual, columns)
-        values.append(fit.coordinates)
-        covariances.append(fit.covariance)
-        gains.append(float((none.held_out - fit.held_out).sum()))
-    gain = np.array(gains) / ((SENSE_DEGREES + 1.0) / SENSE_DEGREES)
-    fold = np.arange(y.shape[1]) % SENSE_FOLDS
-    return Fitted(np.array(values), np.array(covariances), gain, fold)
-
-
-ENGINES = {"motion": fit_motion, "senses": fit_senses}

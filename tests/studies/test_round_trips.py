@@ -32,10 +32,8 @@ from realitygap.models.opened import json_values
 from realitygap.models.reference import Column, Reference, read_reference, write_reference
 from realitygap.models.schema import UNITS
 from realitygap.models.senses.cause import SenseCause
-from realitygap.models.senses.reference import INHERENT as SENSED
 from realitygap.models.senses.reference import (
     Health,
-    Level,
     SenseReference,
     read_sense_reference,
     write_sense_reference,
@@ -182,11 +180,6 @@ def spreads(size: int) -> st.SearchStrategy[Health]:
     return st.builds(Health, **fields, farthest=finite, swarm_farthest=finite, **more)
 
 
-def terms() -> st.SearchStrategy[dict[str, Health]]:
-    known = {n: spreads(len(c.parameters)) for n, c in every_cause().items()}
-    return st.fixed_dictionaries({}, optional=dict(list(known.items())[:5]))
-
-
 def inherent(size: int) -> st.SearchStrategy[tuple[float, ...]]:
     return st.lists(finite, min_size=size, max_size=size).map(tuple)
 
@@ -226,9 +219,9 @@ def test_a_reference_is_read_back(tmp_path: Path, reference: Reference) -> None:
         model=texts,
         robots=st.integers(0, 10**6),
         swarms=st.integers(0, 10**6),
-        inherent=st.fixed_dictionaries({}, optional=dict.fromkeys(SENSED, finite)),
-        terms=terms(),
-        noise=st.builds(Level, mean=finite, sd=finite),
+        columns=st.dictionaries(
+            texts, st.builds(Column, mean=finite, sd=finite, swarm_sd=finite), max_size=5
+        ),
         command=commands,
     )
 )

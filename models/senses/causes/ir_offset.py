@@ -29,7 +29,7 @@ CAUSE = SenseCause(
             low=-100.0,
             high=4095.0,
             step=0.5,
-            elsewhere=ELSEWHERE,
+            unsure=ELSEWHERE,
         ),
     ),
     sense=_sense,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes.cause import Parameter
 from realitygap.models.senses.cause import PS, Belief, SenseCause
@@ -12,6 +14,14 @@ ELSEWHERE = 2e-3
 """rad that robots seem turned by whose lamp stands a few centimetres higher, or that circle.
 Measured by injecting such lamps into the rigid-body world, and in sound robots that circle
 there."""
+
+TURN = 0.1
+"""rad that the ring is first taken to be turned by: a reading bends within a few degrees, so that a
+small turn says little of a large one."""
+
+
+def _starts(commands: FloatArray) -> list[FloatArray]:
+    return [np.array([TURN]), np.array([-TURN])]
 
 
 def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
@@ -29,8 +39,8 @@ CAUSE = SenseCause(
             null=0.0,
             low=-3.1,
             high=3.1,
-            step=0.01,
-            elsewhere=ELSEWHERE,
+            step=0.03,
+            unsure=ELSEWHERE,
         ),
     ),
     sense=_sense,
@@ -38,4 +48,5 @@ CAUSE = SenseCause(
     columns=PS,
     confusable_with=("tracker_yaw_offset",),
     experiment="tour",
+    starts=_starts,
 )

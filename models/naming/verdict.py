@@ -1,0 +1,213 @@
+"""From a search to what stands: the causes needed, their evidence, and what is left unknown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.naming.columns import Mask
+from realitygap.models.naming.findings import Evidence, Follows, Named
+from realitygap.models.naming.fitter import Fitter, Refined
+from realitygap.models.naming.marginal import freed
+from realitygap.models.naming.search import (
+    LEAST_SWARM,
+    MARGIN,
+    PRICE,
+    contenders,
+    fitted_with,
+    offers,
+    possible,
+    search,
+)
+from realitygap.models.naming.separable import inseparable
+from realitygap.models.naming.state import SWARM, Kept, State, with_kept
+from realitygap.models.naming.weighed import Weighed
+from realitygap.models.reference import Gates
+
+ERRORS = 3.0
+"""Standard errors, over blocks, by which a rival must be worse."""
+CLEARLY = 0.2
+"""Of a cause's gain that a rival may not miss, however few blocks it is lost in."""
+BESIDE = 0.5
+"""Of the gain of what is unknown in a robot that a name beside it needs: what half describes the
+unknown would be named, too. Our choice."""
+AGAIN = 2
+"""Times that a log is searched again at most. Our choice."""
+MENDED = 0.05
+"""Of the named causes' gain that what follows a quantity must exceed, and that a further cause of
+the same family must take off: no model of a cause is exact."""
+
+
+class Judged(NamedTuple):
+    """The causes of one scope after the search, with what each is worth."""
+
+    terms: tuple[Term, ...]
+    fit: Refined
+    gains: tuple[float, ...]
+
+
+def settle(state: State, gates: Gates, known: Mask) -> tuple[State, dict[int, Judged]]:
+    """The state with its causes judged, searched again where one taken early turned out to be
+    superfluous: what was taken beside it answered to what it left."""
+    for again in reversed(range(AGAIN + 1)):
+        misled, found = False, {}
+        for scope in sorted(state.kept):
+            before = sum(one.item.term is not None for one in state.of(scope))
+            state, found[scope] = judge(state, scope, gates)
+            if len(found[scope].terms) < before and again:
+                causes = [one for one in state.of(scope) if one.item.term is not None]
+                state, misled = with_kept(state, scope, causes), True
+        if not misled:
+            break
+        state = search(state, gates, known)
+    return state, found
+
+
+def judge(state: State, scope: int, gates: Gates) -> tuple[State, Judged]:
+    """The causes of a scope that are needed, fitted together for the last time."""
+    while True:
+        kept = state.of(scope)
+        causes = [one for one in kept if one.item.term is not None]
+        fitter = Fitter(Weighed(state), scope)
+        terms = [one.item.of for one in causes]
+        fit = fitter.fit(terms, [one.coordinates for one in causes])
+        if fit is None or not causes:
+            none = Refined((), np.zeros((0, 0)), 0.0) if fit is None else fit
+            return state, Judged((), none, ())
+        gains = []
+        for k, one in enumerate(causes):
+            rest = [*causes[:k], *causes[k + 1 :]]
+            without = fitter.fit([o.item.of for o in rest], [o.coordinates for o in rest])
+            lost = np.inf if without is None else without.square - fit.square
+            gains.append(lost - PRICE * (len(one.coordinates) - 1))
+        weakest = int(np.argmin(gains))
+        if gains[weakest] >= _needed(causes, gains, weakest, gates):
+            fitted = iter(fit.coordinates)
+            moved = [
+                one if one.item.term is None else one._replace(coordinates=next(fitted))
+                for one in kept
+            ]
+            return _at(state, scope, moved), Judged(tuple(terms), fit, tuple(gains))
+        less = [one for one in kept if one is not causes[weakest]]
+        state = with_kept(state, scope, less)
+
+
+def _at(state: State, scope: int, kept: list[Kept]) -> State:
+    """The state with the last step of a fit, for which nothing is made anew."""
+    return replace(state, kept={**state.kept, scope: tuple(kept)})
+
+
+def _needed(causes: Sequence[Kept], gains: Sequence[float], k: int, gates: Gates) -> float:
+    """Gain that a cause needs beside the others."""
+    own = causes[k].item.of.cause.family
+    kin = [
+        g
+        for one, g in zip(causes, gains, strict=True)
+        if one is not causes[k] and own and one.item.of.cause.family == own
+    ]
+    return max(gates.cause, MENDED * max(kin, default=0.0))
+
+
+def evidence_of(
+    weighed: Weighed,
+    scope: int,
+    judged: Judged,
+    k: int,
+    covariance: FloatArray,
+    known: Mask,
+) -> Evidence:
+    """What speaks for one cause, and what could stand in its place."""
+    term, gain = judged.terms[k], judged.gains[k]
+    fitter = Fitter(weighed, scope)
+    rest = [t for t in judged.terms if t is not term]
+    others = [c for t, c in zip(judged.terms, judged.fit.coordinates, strict=True) if t is not term]
+    score = fitter.scores(rest, others)
+    listed = [
+        one
+        for one in offers(score, possible(weighed.state, scope), known)
+        if one.item.term is not None
+        and one.item.term.cause.name not in {t.cause.name for t in judged.terms}
+    ]
+    rivals, tried = [], {term.key: gain}
+    losses = fitter.losses(judged.terms, judged.fit.coordinates)
+    for offer in contenders(listed, gain):
+        other = offer.item.of
+        fit = fitted_with(fitter, rest, others, offer)
+        if fit is None:
+            continue
+        lost = fit.square - judged.fit.square
+        price = PRICE * (len(other.cause.parameters) - len(term.cause.parameters))
+        tried[other.key] = gain - lost - price
+        change = fitter.by_block(fitter.losses([*rest, other], fit.coordinates) - losses)
+        bends = len(other.cause.parameters) > len(term.cause.parameters)
+        # one that can bend further is no rival for doing nearly as well
+        if lost + price <= (0.0 if bends else _margin(change, gain)):
+            rivals.append(other)
+    rivals += [t for t in inseparable(fitter, judged.terms, judged.fit, term) if t not in rivals]
+    return Evidence(
+        term=term,
+        coordinates=judged.fit.coordinates[k],
+        covariance=covariance,
+        gain=gain,
+        share=fitter.held_out(judged.terms, judged.fit.coordinates, k),
+        distance=float(np.sqrt(max(gain, 0.0))),
+        rivals=tuple(rivals),
+        gains=tuple(sorted(tried.items(), key=lambda kg: -kg[1])),
+    )
+
+
+def _margin(change: FloatArray, gain: float) -> float:
+    """Deviance by which a rival may be worse, given (blocks,) by how much each block is."""
+    if not len(change):
+        return MARGIN
+    error = float(np.sqrt(np.sum((change - change.mean()) ** 2)))
+    return max(MARGIN, min(ERRORS * error, CLEARLY * gain))
+
+
+def following(weighed: Weighed, scope: int, named: float, gates: Gates) -> list[Follows]:
+    """Flexible terms of a scope that matter beside its causes."""
+    state = weighed.state
+    members = state.members(scope)
+    plain = [one.item for one in state.of(scope) if one.item.term is None]
+    found = []
+    for item in plain:
+        others = [c for o in plain if o is not item for c in o.columns]
+        score = freed(weighed.with_flexible(scope), np.array(others, dtype=np.int64))
+        at = list(item.columns)
+        own, pull = score.information[np.ix_(at, at)], score.slope[at]
+        gain = float(pull @ np.linalg.lstsq(own, pull, rcond=None)[0])
+        if gain <= max(gates.flexible, MENDED * named):
+            continue
+        found.append(
+            Follows(
+                channel=item.channel,
+                quantity=item.quantity,
+                robots=tuple(state.tracks.robots[k] for k in members),
+                whole_swarm=scope == SWARM and len(state.robots) >= LEAST_SWARM,
+                distance=float(np.sqrt(gain)),
+                gain=gain,
+                share=gain / max(score.square, gain),
+            )
+        )
+    return found
+
+
+def standing(named: list[Named], follows: list[Follows]) -> list[Named]:
+    """Names that are not much weaker than something unknown in their robots.
+
+    What a whole swarm shares may be in one robot more than in others, up to all of it.
+    """
+    unknown: dict[int, float] = {}
+    for one in follows:
+        for robot in one.robots:
+            unknown[robot] = max(unknown.get(robot, 0.0), one.gain)
+    return [
+        one
+        for one in named
+        if one.evidence.gain > BESIDE * max(unknown.get(robot, 0.0) for robot in one.robots)
+    ]

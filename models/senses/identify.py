@@ -1,0 +1,146 @@
+"""From readings and answers to named causes: the mixed model of motion, on the senses' channels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.held_out import PARTS
+from realitygap.models.identify.fitted import Values
+from realitygap.models.identify.hypothesis import Term
+from realitygap.models.identify.value import values
+from realitygap.models.naming.columns import Mask
+from realitygap.models.naming.findings import Follows, Named
+from realitygap.models.naming.fitter import Fitter
+from realitygap.models.naming.search import LEAST_SWARM, search
+from realitygap.models.naming.seen import away, least_seen
+from realitygap.models.naming.state import SWARM, State
+from realitygap.models.naming.subject import Subject
+from realitygap.models.naming.threads import one_thread
+from realitygap.models.naming.verdict import Judged, evidence_of, following, settle, standing
+from realitygap.models.naming.weighed import Weighed
+from realitygap.models.reference import Gates
+from realitygap.models.senses.cause import Belief
+from realitygap.models.senses.reference import SenseReference
+from realitygap.models.senses.robot import SenseLog, SenseRobot
+from realitygap.models.senses.terms import NO_COMMANDS
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SensesFound:
+    """What was found in the senses of one log."""
+
+    named: tuple[Named, ...]
+    follows: tuple[Follows, ...]
+    state: State
+    """With every cause named."""
+    judged: dict[int, Judged]
+    """The causes by scope."""
+    known: Mask
+    """(k,) columns that health was measured for."""
+    gates: Gates
+    away: dict[str, FloatArray]
+    """(robots,) by channel and quantity, distance from health of what follows it."""
+    least: dict[str, FloatArray]
+    """(robots, p) by key of a term, coordinates from which on it would have been seen."""
+
+
+@one_thread
+def identify(log: SenseLog, reference: SenseReference, believed: Sequence[Belief]) -> SensesFound:
+    """Name what is wrong with the senses of the whole swarm, of each robot, and with the place.
+
+    Args:
+        log: Of at least one robot.
+        reference: What healthy robots do.
+        believed: Of each robot.
+    """
+    base = tuple(believed)
+    robots = tuple(log.at(range(len(base)), base))
+    start = State(log, base, robots, reference.learned)
+    known = reference.knows(start.robots[0].names)
+    windows = sum(one.learned for one in robots)
+    gates = reference.gates.of(windows) if windows else reference.gates
+    state, found = settle(search(start, gates, known), gates, known)
+    named: list[Named] = []
+    follows: list[Follows] = []
+    for scope, judged in sorted(found.items()):
+        follows += following(Weighed(state), scope, sum(judged.gains), gates)
+        named += _named(state, scope, judged, known)
+    weighed = Weighed(state)
+    return SensesFound(
+        named=tuple(standing(named, follows)),
+        follows=tuple(follows),
+        state=state,
+        judged=found,
+        known=known,
+        gates=gates,
+        away=away(weighed),
+        least=least_seen(weighed, gates, known),
+    )
+
+
+def _named(state: State, scope: int, judged: Judged, known: Mask) -> list[Named]:
+    """The causes of a scope."""
+    weighed = Weighed(state)
+    ids = tuple(state.tracks.robots[k] for k in state.members(scope))
+    found, begin = [], 0
+    for k, term in enumerate(judged.terms):
+        part = slice(begin, begin + len(term.cause.parameters))
+        begin = part.stop
+        covariance = judged.fit.covariance[part, part]
+        evidence = evidence_of(weighed, scope, judged, k, covariance, known)
+        none = np.zeros(len(term.cause.parameters))
+        own = values(term, evidence.coordinates, covariance, NO_COMMANDS, none, none)
+        shared = scope == SWARM and len(state.robots) >= LEAST_SWARM
+        found.append(
+            Named(
+                term=term,
+                robots=ids,
+                whole_swarm=term.cause.place or shared,
+                values=own,
+                evidence=evidence,
+                twins=(),
+            )
+        )
+    return found
+
+
+def _tells(robot: Subject, term: Term) -> bool:
+    """Whether a robot's rows say anything of a term."""
+    at = [k for k, n in enumerate(robot.names) if n.startswith((f"{term.key}.", f"{term.key}@"))]
+    return bool(np.diag(robot.information)[at].any())
+
+
+@one_thread
+def by_part(found: SensesFound) -> tuple[Values, ...]:
+    """The names' values that each part of the log gives by itself, begun at the whole log's."""
+    keys = {one.key for one in found.named}
+    parts = []
+    for part in range(PARTS):
+        told = {}
+        robots = []
+        for one in found.state.robots:
+            assert isinstance(one, SenseRobot)
+            robots.append(one.of_part(part))
+        state = replace(found.state, robots=tuple(robots))
+        for scope, judged in found.judged.items():
+            members = state.members(scope)
+            if not judged.terms or not any(state.robots[k].own_errors.any() for k in members):
+                continue
+            ids = tuple(state.tracks.robots[k] for k in members)
+            fit = Fitter(Weighed(state), scope).fit(judged.terms, judged.fit.coordinates)
+            begin = 0
+            for k, term in enumerate(judged.terms):
+                size = len(term.cause.parameters)
+                at = slice(begin, begin + size)
+                begin += size
+                told_of = not size or any(_tells(state.robots[k], term) for k in members)
+                if fit is not None and (term, ids) in keys and told_of:
+                    none = np.zeros(size)
+                    here, wide = fit.coordinates[k], fit.covariance[at, at]
+                    told[term, ids] = values(term, here, wide, NO_COMMANDS, none, none)
+        parts.append(told)
+    return tuple(parts)
