@@ -106,12 +106,13 @@ class Log:
     @property
     def table(self) -> pd.DataFrame:
         """One row per moment of a robot, in SI units: the columns of the measured log."""
-        return self.measured.frame
+        return self.measured.frame.assign(robot=self.measured.robots)
 
     @property
-    def robots(self) -> tuple[int, ...]:
-        """Ids, in order."""
-        return tuple(sorted({int(robot) for robot in self.measured.segments["robot"]}))
+    def robots(self) -> tuple[int | str, ...]:
+        """Numbers, in order, or names where the log has them."""
+        numbers = sorted({int(robot) for robot in self.measured.segments["robot"]})
+        return tuple(self.measured.names.key(robot) for robot in numbers)
 
     @property
     def runs(self) -> tuple[str, ...]:
@@ -214,7 +215,10 @@ def read_logs(given: AnyLog, model: ModelFile) -> MeasuredLog:
             tables[k] = table.assign(run=f"{k + 1}/" + run)
     # commands become wheel speeds as in the lab: an extension tells of the robots
     drive, fastest = model.nominal_drive, model.robot.wheel_speed_max
-    return make_log(pd.concat(tables, ignore_index=True), drive=drive, fastest=fastest)
+    called = {} if model.extension is None else model.extension.names
+    return make_log(
+        pd.concat(tables, ignore_index=True), drive=drive, fastest=fastest, known=called
+    )
 
 
 def _commands(table: pd.DataFrame) -> tuple[str, ...]:
