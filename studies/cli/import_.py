@@ -14,7 +14,7 @@ from realitygap.studies.cli.say import say
 
 FORMATS = ("optiodom", "mrclam", "csv")
 
-EXAMPLE = """Example: realitygap import optiodom 250620202104/ --out log.parquet"""
+EXAMPLE = """Example: realitygap import csv mine.csv --out log.parquet"""
 
 
 @app.command(name="import", epilog=EXAMPLE)
@@ -27,15 +27,17 @@ def import_(
         typer.Option(help="Model file, or the name of a shipped robot; the format's if absent."),
     ] = None,
     map_: Annotated[
-        Path | None, typer.Option("--map", help="Column names and units of a csv (TOML).")
+        Path | None,
+        typer.Option("--map", help="Column names and units of a csv (TOML); guessed if absent."),
     ] = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Turn a lab's own format into the measured-log table.
 
-    optiodom: session directories. mrclam: UTIAS multi-robot directories. csv: files read by --map.
-    The log is written as .parquet or .csv.
+    optiodom: session directories. mrclam: UTIAS multi-robot directories. csv: any tables. Without
+    --map one is guessed and written beside the log, to be corrected. The log is written as .parquet
+    or .csv.
     """
     from realitygap.studies.plumbing.progress import Stages
 
@@ -50,6 +52,8 @@ def import_(
             begin=shown.begin,
         )
     if not quiet:
+        for line in log.guessed.splitlines():
+            say(line)
         for note in log.notes:
             say(note)
         say(f"{out}: {log.size}")

@@ -102,6 +102,8 @@ class Log:
     """Where it comes from."""
     model: Model
     """Whose geometry turned commands of the body into wheel speeds."""
+    guessed: str = ""
+    """The map it was read by (TOML), where that was guessed; empty: it was not."""
 
     @property
     def table(self) -> pd.DataFrame:
