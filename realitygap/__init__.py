@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from realitygap.studies.gap.replay import replay
     from realitygap.studies.health.reference import measure_health
     from realitygap.studies.hidden.catalogue import causes, effects
-    from realitygap.studies.inputs.imported import import_log, read_log
+    from realitygap.studies.inputs.imported import guessed_map, import_log, read_log, topics
     from realitygap.studies.inputs.logs import Log
     from realitygap.studies.inputs.model import Model
     from realitygap.studies.plumbing.execution import Unfinished
@@ -54,6 +54,7 @@ _WHERE = {
     "diagnose": "studies.diagnosis.diagnose",
     "effects": "studies.hidden.catalogue",
     "gain": "studies.gain.measure",
+    "guessed_map": "studies.inputs.imported",
     "import_log": "studies.inputs.imported",
     "measure_gap": "studies.gap.measure",
     "measure_health": "studies.health.reference",
@@ -61,6 +62,7 @@ _WHERE = {
     "replay": "studies.gap.replay",
     "simulate": "studies.run.simulate",
     "study": "studies",
+    "topics": "studies.inputs.imported",
 }
 """Module of each public name: imported when it is asked for, so that starting costs little."""
 
@@ -83,6 +85,7 @@ __all__ = [
     "diagnose",
     "effects",
     "gain",
+    "guessed_map",
     "import_log",
     "measure_gap",
     "measure_health",
@@ -90,6 +93,7 @@ __all__ = [
     "replay",
     "simulate",
     "study",
+    "topics",
 ]
 
 

@@ -97,7 +97,8 @@ def heading(quaternion: FloatArray, field: str) -> FloatArray:
     Raises:
         InputError: one is no rotation: all zero.
     """
-    size = np.linalg.norm(quaternion, axis=1)
+    with np.errstate(over="ignore", invalid="ignore"):
+        size = np.linalg.norm(quaternion, axis=1)
     if (size == 0.0).any():
         raise InputError(field, "a quaternion of zeros", "rotations; empty where there is none")
     with np.errstate(invalid="ignore"):

@@ -14,6 +14,7 @@ from realitygap.models.formats.asked import Asked, Read
 from realitygap.models.formats.mapped import read_map
 from realitygap.models.formats.mrclam import read_mrclam
 from realitygap.models.formats.optiodom import read_optiodom
+from realitygap.models.formats.rosbag import bag_topics, read_bag
 from realitygap.models.formats.tabular import read_csv_log
 from realitygap.models.log import write_table
 from realitygap.models.modelfile import DEFAULT
@@ -50,6 +51,8 @@ FORMATS: dict[str, Format] = {
     ),
     "mrclam": Format(lambda path, asked: Read(read_mrclam(path)), "create"),
     "csv": Format(read_csv_log, mapped=True),
+    "rosbag": Format(read_bag, mapped=True),
+    "mcap": Format(read_bag, mapped=True),
 }
 """By name."""
 
@@ -70,9 +73,9 @@ def read_log(
             (rad/s) or cmd_v, cmd_omega (m/s, rad/s), a row per moment of a robot. A list of them
             becomes one log of several runs.
         model: Of the robot; the e-puck, or the robot of the format, if absent.
-        format: What the files are instead: `optiodom` (directories of sessions), `mrclam` (UTIAS
-            multi-robot directories) or `csv` (files read by `map`).
-        map: Column names and units of a csv (TOML); guessed if absent.
+        format: What the files are instead: `csv` (any table), `rosbag` or `mcap` (bags of ROS),
+            `optiodom` (directories of sessions) or `mrclam` (UTIAS multi-robot directories).
+        map: Columns and units of a csv, or topics of a bag (TOML); guessed if absent.
         begin: Called with the name of each stage.
 
     Raises:
@@ -164,8 +167,27 @@ def import_log(
     return found
 
 
+def topics(bag: Path | str) -> pd.DataFrame:
+    """What a bag holds: a row per topic.
+
+    Columns `topic`, `type`, `messages` (how many) and `could_be`: the keys of a map that may name
+    it.
+
+    Args:
+        bag: A bag's directory, a `.db3`, `.mcap` or `.bag`.
+
+    Raises:
+        InputError: it cannot be read, or the extra [ros] is not installed.
+    """
+    return bag_topics(Path(bag))
+
+
 def guessed_map(out: Path | str) -> Path:
-    """Where the guessed map of a log lies that is written to `out`."""
+    """Where the guessed map of a log lies.
+
+    Args:
+        out: Where the log is written.
+    """
     return Path(out).with_suffix(".map.toml")
 
 

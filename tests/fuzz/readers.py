@@ -5,7 +5,9 @@ from __future__ import annotations
 import gzip
 import io
 import json
+import tempfile
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,9 +17,12 @@ import numpy as np
 import pandas as pd
 
 from realitygap.embedded_sim import Drive, InputError
+from realitygap.models.formats.asked import Asked
 from realitygap.models.formats.mapped import read_mapped
 from realitygap.models.formats.mrclam import read_mrclam
 from realitygap.models.formats.optiodom import TICKS_PER_TURN, read_optiodom
+from realitygap.models.formats.rosbag import read_bag
+from realitygap.models.formats.tabular import read_csv_log
 from realitygap.models.log import make_log, read_log
 from realitygap.models.modelfile import ROBOTS, find_model_file, read_model_file
 from realitygap.models.reference import DIRECTORY, read_reference
@@ -30,6 +35,7 @@ from realitygap.studies.fitness_gap.generations import read_generations
 from realitygap.studies.gain.food import food_lines, read_transfer
 from realitygap.studies.gain.held_out import _kind
 from realitygap.studies.gain.truth import hidden_in
+from tests.models.bags import commands, poses, together, write_bag
 from tests.models.small import arena_log, driven_log
 
 DRIVE = Drive()
@@ -106,6 +112,30 @@ file = "poses.csv"
 t = { from = "when", unit = "ms" }
 """
 
+RICH = """[columns]
+t = { from = "stamp", unit = "iso" }
+cmd_left = { from = "l", unit = "mm/s" }
+cmd_right = { from = "r", unit = "mm/s" }
+wheel_left = { from = "tl", unit = "ticks", per_turn = 512, wraps = 256.0 }
+wheel_right = { from = "tr", unit = "ticks", per_turn = 512, wraps = 256.0 }
+robot = "name"
+
+[[files]]
+file = "seen.csv"
+[files.columns]
+t = { from = "when", unit = "iso" }
+x = "x"
+y = "y"
+yaw = { quaternion = ["qx", "qy", "qz", "qw"] }
+robot = "name"
+"""
+
+TOPICS = """clock = "received"
+[robots.a]
+commands = "/cmd_vel"
+poses = "/pose"
+"""
+
 EXTENSION = """
 [lamps]
 opposite = { x = -0.5, y = 0.0 }
@@ -160,6 +190,69 @@ def _mapped() -> dict[str, bytes]:
 
 def _read_mapped(folder: Path) -> object:
     return make_log(read_mapped(folder / "lab.csv", folder / "map.toml"), drive=DRIVE)
+
+
+def _rich() -> dict[str, bytes]:
+    frame = table()
+    stamps = pd.to_datetime(frame["t"], unit="s").dt.strftime("%Y-%m-%dT%H:%M:%S.%f")
+    name = frame["robot"].map({0: "ann", 1: "bob"})
+    turned = (np.arange(len(frame)) * 5) % 256
+    radius = 1e3 * DRIVE.wheel_radius[0]
+    told = {"stamp": stamps, "l": radius * frame["cmd_left"], "r": radius * frame["cmd_right"]}
+    told |= {"tl": turned, "tr": turned, "name": name}
+    seen = {"when": stamps, "x": frame["x"], "y": frame["y"], "qx": 0.0, "qy": 0.0, "name": name}
+    seen |= {"qz": np.sin(frame["yaw"] / 2), "qw": np.cos(frame["yaw"] / 2)}
+    written = pd.DataFrame(told).to_csv(index=False, sep=";", decimal=",")
+    return {
+        "map.toml": RICH.encode(),
+        "lab.csv": written.encode(),
+        "seen.csv": as_csv(pd.DataFrame(seen)),
+    }
+
+
+def _read_guessed(folder: Path) -> object:
+    return make_log(read_csv_log(folder / "lab.csv", Asked(drive=DRIVE)).table, drive=DRIVE)
+
+
+def _guessed() -> dict[str, bytes]:
+    frame = table()
+    raw = {"stamp_ms": 1e3 * frame["t"], "X": 1e3 * frame["x"], "Y": 1e3 * frame["y"]}
+    raw |= {"theta": np.degrees(frame["yaw"]), "vl": frame["cmd_left"], "vr": frame["cmd_right"]}
+    return {"lab.csv": as_csv(pd.DataFrame(raw | {"id": frame["robot"]}))}
+
+
+@cache
+def _bag(kind: str) -> dict[str, bytes]:
+    """The files of a small bag, and a map of its topics."""
+    frame = driven_log(3, robots=1, rows=ROWS)
+    left, right = frame["cmd_left"], frame["cmd_right"]
+    radius, axle = DRIVE.wheel_radius[0], DRIVE.axle
+    frame = frame.assign(
+        cmd_v=radius * (left + right) / 2, cmd_omega=radius * (right - left) / axle
+    )
+    with tempfile.TemporaryDirectory() as room:
+        path = Path(room) / "bag"
+        made = write_bag(path, kind, together(commands(frame), poses(frame, "/pose")))
+        parts = [made] if made.is_file() else sorted(made.iterdir())
+        return {"map.toml": TOPICS.encode(), **{part.name: part.read_bytes() for part in parts}}
+
+
+def _read_bag(name: str) -> Callable[[Path], object]:
+    """Reads by the map and by a guess; `name` is of the bag's file, empty: the directory is it."""
+
+    def read(folder: Path) -> object:
+        source = folder
+        if not name:
+            source = folder / "bag"
+            source.mkdir(exist_ok=True)
+            for part in _bag("ros2"):
+                if part != "map.toml":
+                    (folder / part).replace(source / part)
+        asked = Asked(drive=DRIVE, map=folder / "map.toml")
+        read_bag(source / name, replace(asked, map=None))
+        return make_log(read_bag(source / name, asked).table, drive=DRIVE)
+
+    return read
 
 
 def _mrclam() -> dict[str, bytes]:
@@ -316,6 +409,13 @@ READERS: dict[str, Reader] = {
     ),
     "map": Reader(_read_mapped, _mapped, ("map.toml",)),
     "mapped csv": Reader(_read_mapped, _mapped, ("lab.csv", "poses.csv"), "lab.csv"),
+    "rich map": Reader(_read_mapped, _rich, ("map.toml",)),
+    "joined csv": Reader(_read_mapped, _rich, ("lab.csv", "seen.csv")),
+    "guessed csv": Reader(_read_guessed, _guessed, ("lab.csv",)),
+    "map of topics": Reader(_read_bag("bag.mcap"), lambda: _bag("mcap"), ("map.toml",)),
+    "mcap": Reader(_read_bag("bag.mcap"), lambda: _bag("mcap"), ("bag.mcap",)),
+    "ros 1 bag": Reader(_read_bag("bag.bag"), lambda: _bag("ros1"), ("bag.bag",)),
+    "ros 2 bag": Reader(_read_bag(""), lambda: _bag("ros2"), ("bag.db3", "metadata.yaml")),
     "mrclam": Reader(
         lambda f: make_log(read_mrclam(f), drive=DRIVE),
         _mrclam,
