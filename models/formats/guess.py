@@ -21,6 +21,7 @@ from realitygap.models.agreement import STEPS, Driven, disagreement
 from realitygap.models.files import checked
 from realitygap.models.formats.headers import Header, understood
 from realitygap.models.formats.mapped import Map, by_map
+from realitygap.models.formats.streams import merged
 from realitygap.models.formats.units import ISO, SCALES, TURNS, iso_seconds, units_of
 from realitygap.models.log import wheel_commands
 from realitygap.models.named import numbered
@@ -42,7 +43,14 @@ Told = dict[str, str | float]
 """Unit and scale of a column, where they are not the log's own."""
 
 
-def guess(raw: pd.DataFrame, path: Path, *, drive: Drive, fastest: float | None = None) -> str:
+def guess(
+    raw: pd.DataFrame,
+    path: Path,
+    *,
+    drive: Drive,
+    fastest: float | None = None,
+    seen: pd.DataFrame | None = None,
+) -> str:
     """The text of a map for a table, with what each line was guessed by.
 
     Args:
@@ -50,18 +58,19 @@ def guess(raw: pd.DataFrame, path: Path, *, drive: Drive, fastest: float | None 
         path: Its file, for messages.
         drive: The nominal geometry.
         fastest: rad/s, most a wheel of this robot turns, if known: no reading goes far beyond.
+        seen: Poses of the robot, where they come from another file.
 
     Raises:
         InputError: no time, no pose or no commands were recognised; says which.
     """
-    found = _columns(raw, path)
+    found = _columns(raw, path, poses=seen is None)
     units = {name: header.unit for name, (_, header) in found.items() if header.unit}
     given: dict[str, Told] = {name: {"unit": unit} for name, unit in units.items()}
     given["t"] = _time(raw[found["t"][0]], path, units.get("t"))
     why = dict.fromkeys(found, "by its header")
     why["t"] = "by its header" if "t" in units else "its unit by its values"
     readings = list(_readings(found, units))
-    off = [_off(raw, found, {**given, **one}, path, drive, fastest) for one in readings]
+    off = [_off(raw, found, {**given, **one}, path, drive, fastest, seen) for one in readings]
     # of readings that agree as well, as do metres with m/s and millimetres with mm/s, the first
     agreeing = (k for k, one in enumerate(off) if one <= min(off) + ALIKE)
     best = 0 if off[0] <= GOOD else next(agreeing)
@@ -71,7 +80,7 @@ def guess(raw: pd.DataFrame, path: Path, *, drive: Drive, fastest: float | None 
     return _text(raw, found, {**given, **readings[best]}, why, path, off[best])
 
 
-def _columns(raw: pd.DataFrame, path: Path) -> dict[str, tuple[str, Header]]:
+def _columns(raw: pd.DataFrame, path: Path, *, poses: bool) -> dict[str, tuple[str, Header]]:
     """By column of the log the header it is taken from, and what that says."""
     found: dict[str, tuple[str, Header]] = {}
     for header in map(str, raw.columns):
@@ -85,12 +94,15 @@ def _columns(raw: pd.DataFrame, path: Path) -> dict[str, tuple[str, Header]]:
         better = former is None or (said.exact, said.told) > (former[1].exact, former[1].told)
         if better:
             found[name] = (header, said)
+    if not poses:
+        found = {n: one for n, one in found.items() if n not in (*POSE, *QUATERNION)}
     whole = all(name in found for name in QUATERNION)
     if "yaw" in found or not whole:
         found = {name: one for name, one in found.items() if name not in QUATERNION}
     _one_pair(found)
-    missing = [name for name in ("t", "x", "y") if name not in found]
-    missing += [] if "yaw" in found or whole else ["yaw"]
+    needed = ("t", "x", "y") if poses else ("t",)
+    missing = [name for name in needed if name not in found]
+    missing += [] if "yaw" in found or whole or not poses else ["yaw"]
     if not any(set(pair) <= set(found) for pair in (WHEEL_COMMANDS, BODY_COMMANDS)):
         missing.append("commands")
     if missing:
@@ -133,7 +145,7 @@ def _readings(
 ) -> Iterator[dict[str, Told]]:
     """Every usual way to read what headers leave open, the log's own units first."""
     lengths: list[dict[str, Told]] = [{}]
-    if not {"x", "y"} & set(units):
+    if "x" in found and not {"x", "y"} & set(units):
         lengths = [{name: {"unit": unit} for name in ("x", "y")} for unit in SCALES["m"]]
     angles: list[dict[str, Told]] = [{}]
     if "yaw" in found:
@@ -165,6 +177,7 @@ def _off(
     path: Path,
     drive: Drive,
     fastest: float | None,
+    seen: pd.DataFrame | None,
 ) -> float:
     """How little motion follows the commands under a reading, 0 to 1; 1 where nothing is told."""
     table = by_map(
@@ -175,6 +188,8 @@ def _off(
         name=path.name,
         drive=drive,
     )
+    if seen is not None:
+        table = merged([table, seen], path.name)
     robots, _ = numbered(table["robot"])
     run = table["run"].astype(str) if "run" in table else "run"
     table = table.assign(robot=robots, run=run).dropna(subset=["t"])

@@ -59,6 +59,8 @@ WHERE = frozenset(
         "global",
         "of",
         "robot",
+        "observation",
+        "state",
         "s",
         "p",
         "tb",
@@ -80,17 +82,15 @@ TOLD = frozenset(
         "reference",
         "goal",
         "told",
-        "vel",
-        "twist",
         "action",
         "input",
         "control",
     ]
 )
 """Words of what a robot was told."""
-TURNED = frozenset(
-    ["enc", "encoder", "encoders", "wheel", "wheels", "measured", "actual", "joint", "state"]
-)
+MOTION = frozenset(["vel", "twist"])
+"""Words that only say that something moves."""
+TURNED = frozenset(["enc", "encoder", "encoders", "wheel", "wheels", "measured", "actual", "joint"])
 """Words of what a wheel did."""
 SIDES = {"left": "left", "l": "left", "right": "right", "r": "right"}
 MOTOR = frozenset(
@@ -118,6 +118,8 @@ BODY: dict[str, str] = {
     **dict.fromkeys(("ang", "angular velocity", "v ang", "vang", "turn rate"), "cmd_omega"),
 }
 """The same of a body's speeds, without words of what it was told."""
+AXES = {"x": "cmd_v", "theta": "cmd_omega", "yaw": "cmd_omega", "z": "cmd_omega"}
+"""The same of axes, which are places unless something was told."""
 OWN = frozenset((*PS, *LS, *VIRTUAL, *CARRIED, "case"))
 """Columns that are known by the log's own names alone."""
 
@@ -150,7 +152,9 @@ def understood(header: str) -> Header:
     bare = [word for word in words if word not in WHERE]
     if bare and not told and (column := PLAIN.get(" ".join(bare))):
         return Header(column, unit, False, False)
-    rest = " ".join(word for word in bare if word not in TOLD)
+    rest = " ".join(word for word in bare if word not in TOLD | MOTION)
+    if told and rest in AXES:
+        return Header(AXES[rest], unit, told, False)
     return Header(BODY.get(rest, ""), unit, told, False)
 
 

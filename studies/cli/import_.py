@@ -12,7 +12,7 @@ from realitygap.studies.cli import app
 from realitygap.studies.cli.options import Force, Quiet, out_option
 from realitygap.studies.cli.say import say
 
-FORMATS = ("csv", "rosbag", "mcap", "optiodom", "mrclam")
+FORMATS = ("csv", "rosbag", "mcap", "tum", "euroc", "lerobot", "optiodom", "mrclam")
 
 EXAMPLE = """Example: realitygap import csv mine.csv --out log.parquet"""
 
@@ -34,6 +34,9 @@ def import_(
             "--map", help="Columns of a table, or topics of a bag (TOML); guessed if absent."
         ),
     ] = None,
+    commands: Annotated[
+        Path | None, typer.Option(help="Table of commands beside a tum or euroc trajectory.")
+    ] = None,
     list_: Annotated[
         bool, typer.Option("--list", help="List the topics of a bag, and write nothing.")
     ] = False,
@@ -42,9 +45,9 @@ def import_(
 ) -> None:
     """Turn a lab's own format into the measured-log table.
 
-    csv: any table. rosbag, mcap: ROS 1 and ROS 2. optiodom: session directories. mrclam: UTIAS
-    multi-robot directories. Without --map one is guessed and written beside the log, to be
-    corrected.
+    csv: any table. rosbag, mcap: ROS 1 and ROS 2. tum, euroc: trajectories, with --commands.
+    lerobot: data sets. optiodom: session directories. mrclam: UTIAS multi-robot directories.
+    Without --map one is guessed and written beside the log, to be corrected.
     """
     from realitygap.studies.plumbing.progress import Stages
 
@@ -62,6 +65,7 @@ def import_(
             out=out,
             model=model,
             map=map_,
+            commands=commands,
             force=force,
             begin=shown.begin,
         )

@@ -11,11 +11,13 @@ import pandas as pd
 
 from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.models.formats.asked import Asked, Read
+from realitygap.models.formats.lerobot import read_lerobot
 from realitygap.models.formats.mapped import read_map
 from realitygap.models.formats.mrclam import read_mrclam
 from realitygap.models.formats.optiodom import read_optiodom
 from realitygap.models.formats.rosbag import bag_topics, read_bag
 from realitygap.models.formats.tabular import read_csv_log
+from realitygap.models.formats.trajectory import read_euroc, read_tum
 from realitygap.models.log import write_table
 from realitygap.models.modelfile import DEFAULT
 from realitygap.studies.inputs.logs import (
@@ -53,6 +55,9 @@ FORMATS: dict[str, Format] = {
     "csv": Format(read_csv_log, mapped=True),
     "rosbag": Format(read_bag, mapped=True),
     "mcap": Format(read_bag, mapped=True),
+    "tum": Format(read_tum, mapped=True, commands=True),
+    "euroc": Format(read_euroc, mapped=True, commands=True),
+    "lerobot": Format(read_lerobot, mapped=True),
 }
 """By name."""
 
@@ -63,6 +68,7 @@ def read_log(
     model: AnyModel = None,
     format: str | None = None,
     map: Path | str | None = None,
+    commands: Path | str | None = None,
     begin: Callable[[str], None] = unseen,
 ) -> Log:
     """Read a measured log: check it, repair it, and count what was repaired.
@@ -74,8 +80,10 @@ def read_log(
             becomes one log of several runs.
         model: Of the robot; the e-puck, or the robot of the format, if absent.
         format: What the files are instead: `csv` (any table), `rosbag` or `mcap` (bags of ROS),
-            `optiodom` (directories of sessions) or `mrclam` (UTIAS multi-robot directories).
-        map: Columns and units of a csv, or topics of a bag (TOML); guessed if absent.
+            `tum` or `euroc` (trajectories), `lerobot` (data sets), `optiodom` (directories of
+            sessions) or `mrclam` (UTIAS multi-robot directories).
+        map: Columns and units of a table, or topics of a bag (TOML); guessed if absent.
+        commands: Table of commands beside a `tum` or `euroc` trajectory; the map is of it.
         begin: Called with the name of each stage.
 
     Raises:
@@ -86,7 +94,7 @@ def read_log(
             raise InputError("map", map, f"a format that is read by it: {_named('mapped')}")
         begin("reading the log")
         return as_log(log, model)
-    believed, source, guessed = _lab(log, model, format, map, begin)
+    believed, source, guessed = _lab(log, model, format, map, commands, begin)
     begin("checking the log")
     return Log(read_logs(source, believed.file), (source,), believed, guessed)
 
@@ -96,10 +104,11 @@ def _lab(
     model: AnyModel,
     format: str,
     map: Path | str | None,
+    commands: Path | str | None,
     begin: Callable[[str], None],
 ) -> tuple[Model, Source, str]:
     """A lab's logs as one table that is not yet checked, its robot, and the map if guessed."""
-    chosen = _chosen(format, map)
+    chosen = _chosen(format, map, commands)
     believed = Model.load(chosen.robot if model is None else model)
     given = [one.path for one in sources(log)]
     paths = [path for path in given if path is not None]
@@ -109,6 +118,7 @@ def _lab(
         drive=believed.file.nominal_drive,
         fastest=None if model is None else believed.file.robot.wheel_speed_max,
         map=None if map is None else Path(map),
+        commands=None if commands is None else Path(commands),
     )
     read = _read(chosen, paths, asked, begin)
     label = f"<{format} {', '.join(str(path) for path in paths)}>"
@@ -122,6 +132,7 @@ def import_log(
     out: Path | str,
     model: AnyModel = None,
     map: Path | str | None = None,
+    commands: Path | str | None = None,
     force: bool = False,
     begin: Callable[[str], None] = unseen,
 ) -> Log:
@@ -133,6 +144,7 @@ def import_log(
         out: `.parquet`, with units in the fields' metadata, or `.csv`; claimed before any work.
         model: As of `read_log`.
         map: As of `read_log`.
+        commands: As of `read_log`.
         force: Replace a log that is there.
         begin: Called with the name of each stage.
 
@@ -143,12 +155,12 @@ def import_log(
     Raises:
         InputError: as `read_log`, or `out` cannot be written or is what is read.
     """
-    _chosen(format, map)
+    _chosen(format, map, commands)
     given, target = [log] if isinstance(log, str | Path) else log, checked_out(Path(out))
     if target.exists() and any(Path(p).exists() and target.samefile(p) for p in given):
         raise InputError("--out", target, "another file than what is read")
     with whole_file(target, force=force, ours=is_log) as part:
-        believed, source, guessed = _lab(list(given), model, format, map, begin)
+        believed, source, guessed = _lab(list(given), model, format, map, commands, begin)
         if guessed:
             beside = guessed_map(target)
             with whole_file(beside, force=force, ours=readable(read_map)) as text:
@@ -191,13 +203,16 @@ def guessed_map(out: Path | str) -> Path:
     return Path(out).with_suffix(".map.toml")
 
 
-def _chosen(format: str, map: Path | str | None) -> Format:
+def _chosen(format: str, map: Path | str | None, commands: Path | str | None) -> Format:
     """The format of a name, if what is given suits it."""
     if format not in FORMATS:
         raise InputError("FORMAT", format, nearest(format, FORMATS))
     chosen = FORMATS[format]
     if map is not None and not chosen.mapped:
         raise InputError("--map", map, f"none with {format}; it is for {_named('mapped')}")
+    if commands is not None and not chosen.commands:
+        expected = f"none with {format}; it is for {_named('commands')}"
+        raise InputError("--commands", commands, expected)
     return chosen
 
 

@@ -17,12 +17,14 @@ import numpy as np
 import pandas as pd
 
 from realitygap.embedded_sim import Drive, InputError
-from realitygap.models.formats.asked import Asked
+from realitygap.models.formats.asked import Asked, Read
+from realitygap.models.formats.lerobot import read_lerobot
 from realitygap.models.formats.mapped import read_mapped
 from realitygap.models.formats.mrclam import read_mrclam
 from realitygap.models.formats.optiodom import TICKS_PER_TURN, read_optiodom
 from realitygap.models.formats.rosbag import read_bag
 from realitygap.models.formats.tabular import read_csv_log
+from realitygap.models.formats.trajectory import read_euroc, read_tum
 from realitygap.models.log import make_log, read_log
 from realitygap.models.modelfile import ROBOTS, find_model_file, read_model_file
 from realitygap.models.reference import DIRECTORY, read_reference
@@ -208,6 +210,53 @@ def _rich() -> dict[str, bytes]:
         "lab.csv": written.encode(),
         "seen.csv": as_csv(pd.DataFrame(seen)),
     }
+
+
+def _trajectory(kind: str) -> dict[str, bytes]:
+    """A trajectory (tum or euroc) and a table of commands."""
+    frame = driven_log(3, robots=1, rows=ROWS)
+    half, t = frame["yaw"] / 2, frame["t"]
+    turned = [np.sin(half), np.cos(half)]
+    if kind == "tum":
+        rows = np.column_stack([t, frame["x"], frame["y"], 0 * t, 0 * t, 0 * t, *turned])
+        text = "\n".join(" ".join(f"{v:.6f}" for v in row) for row in rows)
+    else:
+        rows = np.column_stack(
+            [1e9 * t, frame["x"], frame["y"], 0 * t, turned[1], 0 * t, 0 * t, turned[0]]
+        )
+        text = "\n".join(",".join(f"{v:.6f}" for v in row) for row in rows)
+    told = frame[["t", "cmd_left", "cmd_right"]]
+    return {"poses.csv": text.encode(), "told.csv": as_csv(told)}
+
+
+def _read_trajectory(read: Callable[[Path, Asked], Read]) -> Callable[[Path], object]:
+    def both(folder: Path) -> object:
+        asked = Asked(drive=DRIVE, commands=folder / "told.csv")
+        return make_log(read(folder / "poses.csv", asked).table, drive=DRIVE)
+
+    return both
+
+
+def _lerobot() -> dict[str, bytes]:
+    frame = table()
+    state = frame[["x", "y", "yaw"]].to_numpy().tolist()
+    action = frame[["cmd_left", "cmd_right"]].to_numpy().tolist()
+    raw = {"observation.state": state, "action": action, "timestamp": frame["t"]}
+    names = {
+        "observation.state": {"names": ["x", "y", "yaw"]},
+        "action": {"names": {"motors": ["left_wheel", "right_wheel"]}},
+    }
+    return {
+        "info.json": json.dumps({"features": names}).encode(),
+        "data.parquet": as_parquet(pd.DataFrame(raw | {"episode_index": frame["robot"]})),
+    }
+
+
+def _read_lerobot(folder: Path) -> object:
+    for room, name in (("meta", "info.json"), ("data", "data.parquet")):
+        (folder / room).mkdir(exist_ok=True)
+        (folder / name).replace(folder / room / name)
+    return make_log(read_lerobot(folder, Asked(drive=DRIVE)).table, drive=DRIVE)
 
 
 def _read_guessed(folder: Path) -> object:
@@ -412,6 +461,11 @@ READERS: dict[str, Reader] = {
     "rich map": Reader(_read_mapped, _rich, ("map.toml",)),
     "joined csv": Reader(_read_mapped, _rich, ("lab.csv", "seen.csv")),
     "guessed csv": Reader(_read_guessed, _guessed, ("lab.csv",)),
+    "tum": Reader(
+        _read_trajectory(read_tum), lambda: _trajectory("tum"), ("poses.csv", "told.csv")
+    ),
+    "euroc": Reader(_read_trajectory(read_euroc), lambda: _trajectory("euroc"), ("poses.csv",)),
+    "lerobot": Reader(_read_lerobot, _lerobot, ("info.json", "data.parquet")),
     "map of topics": Reader(_read_bag("bag.mcap"), lambda: _bag("mcap"), ("map.toml",)),
     "mcap": Reader(_read_bag("bag.mcap"), lambda: _bag("mcap"), ("bag.mcap",)),
     "ros 1 bag": Reader(_read_bag("bag.bag"), lambda: _bag("ros1"), ("bag.bag",)),
