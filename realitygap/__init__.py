@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from realitygap.studies.inputs.imported import guessed_map, import_log, read_log, topics
     from realitygap.studies.inputs.logs import Log
     from realitygap.studies.inputs.model import Model
+    from realitygap.studies.inputs.robot import new_model
     from realitygap.studies.plumbing.execution import Unfinished
     from realitygap.studies.run.capture import capture
     from realitygap.studies.run.simulate import RunResult, simulate
@@ -58,6 +59,7 @@ _WHERE = {
     "import_log": "studies.inputs.imported",
     "measure_gap": "studies.gap.measure",
     "measure_health": "studies.health.reference",
+    "new_model": "studies.inputs.robot",
     "read_log": "studies.inputs.imported",
     "replay": "studies.gap.replay",
     "simulate": "studies.run.simulate",
@@ -89,6 +91,7 @@ __all__ = [
     "import_log",
     "measure_gap",
     "measure_health",
+    "new_model",
     "read_log",
     "replay",
     "simulate",

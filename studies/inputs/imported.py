@@ -19,7 +19,6 @@ from realitygap.models.formats.rosbag import bag_topics, read_bag
 from realitygap.models.formats.tabular import read_csv_log
 from realitygap.models.formats.trajectory import read_euroc, read_tum
 from realitygap.models.log import write_table
-from realitygap.models.modelfile import DEFAULT
 from realitygap.studies.inputs.logs import (
     AnyLog,
     Log,
@@ -27,6 +26,7 @@ from realitygap.studies.inputs.logs import (
     as_log,
     checked_out,
     is_log,
+    noticed,
     read_logs,
     sources,
 )
@@ -39,8 +39,8 @@ class Format(NamedTuple):
     """How the logs of one kind are read."""
 
     read: Callable[[Path, Asked], Read]
-    robot: str = DEFAULT
-    """Whose geometry they are read with, if no model is given."""
+    robot: str | None = None
+    """Whose geometry they are read with, if no model is given; None: the e-puck's."""
     mapped: bool = False
     """Whether a map says what is what in them."""
     commands: bool = False
@@ -96,7 +96,8 @@ def read_log(
         return as_log(log, model)
     believed, source, guessed = _lab(log, model, format, map, commands, begin)
     begin("checking the log")
-    return Log(read_logs(source, believed.file), (source,), believed, guessed)
+    measured = noticed(read_logs(source, believed.file), believed)
+    return Log(measured, (source,), believed, guessed)
 
 
 def _lab(
@@ -167,7 +168,7 @@ def import_log(
                 text.write_text(guessed, encoding="utf-8")
         begin("checking the log")
         try:
-            measured = read_logs(source, believed.file)
+            measured = noticed(read_logs(source, believed.file), believed)
         except InputError as error:
             if not guessed:
                 raise

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from realitygap.embedded_sim.errors import InputError
+from realitygap.models.assumed import unlike
 from realitygap.models.log import EXPECTED, SAMPLES, MeasuredLog, make_log, read_table, write_table
 from realitygap.models.modelfile import ModelFile
 from realitygap.models.opened import opened
@@ -187,7 +188,13 @@ def as_log(given: AnyLog, model: AnyModel = None) -> Log:
     if isinstance(given, Log) and (model is None or model is given.model):
         return given
     chosen, single = Model.load(model), sources(given)
-    return Log(read_logs(single, chosen.file), single, chosen)
+    return Log(noticed(read_logs(single, chosen.file), chosen), single, chosen)
+
+
+def noticed(measured: MeasuredLog, chosen: Model) -> MeasuredLog:
+    """The log, with a note first if nobody asked for a model and the one assumed cannot be it."""
+    said = unlike(measured, chosen.file) if chosen.typed is None else ""
+    return replace(measured, notes=(said, *measured.notes)) if said else measured
 
 
 def read_logs(given: AnyLog, model: ModelFile) -> MeasuredLog:
