@@ -139,7 +139,7 @@ class Header(NamedTuple):
 
 def understood(header: str) -> Header:
     """What one header may mean."""
-    words, unit = _words(header)
+    words, unit = words_of(header)
     text = "_".join(words)
     if text in UNITS:
         return Header(text, unit, text in (*WHEEL_COMMANDS, *BODY_COMMANDS), True)
@@ -158,7 +158,7 @@ def understood(header: str) -> Header:
     return Header(BODY.get(rest, ""), unit, told, False)
 
 
-def _words(header: str) -> tuple[list[str], str]:
+def words_of(header: str) -> tuple[list[str], str]:
     """A header's words in small letters, and its unit."""
     unit = ""
     if match := _BRACKETS.search(header):

@@ -16,7 +16,8 @@ from unittest import mock
 import numpy as np
 import pandas as pd
 
-from realitygap.embedded_sim import Drive, InputError
+from realitygap.embedded_sim import Drive, InputError, Tables
+from realitygap.models.curves import tables_of
 from realitygap.models.formats.asked import Asked, Read
 from realitygap.models.formats.lerobot import read_lerobot
 from realitygap.models.formats.mapped import read_mapped
@@ -26,7 +27,12 @@ from realitygap.models.formats.rosbag import read_bag
 from realitygap.models.formats.tabular import read_csv_log
 from realitygap.models.formats.trajectory import read_euroc, read_tum
 from realitygap.models.log import make_log, read_log
-from realitygap.models.modelfile import ROBOTS, find_model_file, read_model_file
+from realitygap.models.modelfile import (
+    ROBOTS,
+    find_model_file,
+    load_model,
+    read_model_file,
+)
 from realitygap.models.reference import DIRECTORY, read_reference
 from realitygap.models.senses.reference import DIRECTORY as SENSES
 from realitygap.models.senses.reference import read_sense_reference
@@ -252,6 +258,30 @@ def _lerobot() -> dict[str, bytes]:
     }
 
 
+def _curves() -> dict[str, bytes]:
+    distance, angle = np.meshgrid(np.linspace(0, 100, 12), [0, 45])
+    infrared = {"distance_mm": distance.ravel(), "incidence_deg": angle.ravel()}
+    infrared["counts"] = 4000 * np.exp(-distance.ravel() / 30)
+    bearing = np.arange(-180, 180, 10)
+    light = {"bearing_deg": bearing, "light": np.maximum(np.cos(np.radians(bearing)), 0)}
+    return {
+        "infrared.csv": as_csv(pd.DataFrame(infrared)),
+        "light.csv": as_csv(pd.DataFrame(light)),
+    }
+
+
+def _read_curves(folder: Path) -> object:
+    names = ("infrared.csv", "light.csv")
+    return tables_of([folder / name for name in names], shipped_tables())
+
+
+def shipped_tables() -> Tables:
+    """Those that come along."""
+    tables = load_model().tables
+    assert tables is not None
+    return tables
+
+
 def _read_lerobot(folder: Path) -> object:
     for room, name in (("meta", "info.json"), ("data", "data.parquet")):
         (folder / room).mkdir(exist_ok=True)
@@ -466,6 +496,7 @@ READERS: dict[str, Reader] = {
     ),
     "euroc": Reader(_read_trajectory(read_euroc), lambda: _trajectory("euroc"), ("poses.csv",)),
     "lerobot": Reader(_read_lerobot, _lerobot, ("info.json", "data.parquet")),
+    "curves": Reader(_read_curves, _curves, ("infrared.csv", "light.csv")),
     "map of topics": Reader(_read_bag("bag.mcap"), lambda: _bag("mcap"), ("map.toml",)),
     "mcap": Reader(_read_bag("bag.mcap"), lambda: _bag("mcap"), ("bag.mcap",)),
     "ros 1 bag": Reader(_read_bag("bag.bag"), lambda: _bag("ros1"), ("bag.bag",)),
