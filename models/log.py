@@ -34,7 +34,10 @@ from realitygap.models.table_files import read_csv, read_parquet
 from realitygap.models.tracker import repair
 
 SAMPLES = "samples.parquet"
-EXPECTED = "a readable table (.parquet, .csv or .csv.gz), or a run's directory"
+EXPECTED = (
+    "a readable table (.parquet, .csv or .csv.gz), or a run's directory; what else labs have is "
+    "turned into one by `realitygap import`"
+)
 GAP_STEPS = 3.5
 """A stretch ends where rows are missing for longer than this many median steps. Our choice: two
 lost rows are bridged by the last command, more are not."""

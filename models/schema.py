@@ -102,6 +102,7 @@ def check_columns(columns: list[str]) -> list[str]:
     for name in ("robot", "t", *POSE):
         if name not in columns:
             expected = f"a column {name} ({UNITS[name] or 'whole number'}){_instead(name, unknown)}"
+            expected += "; other names and units are for `realitygap import csv`"
             raise InputError("columns", ", ".join(map(str, columns)) or "none", expected)
     for name in unknown:
         # a lab's gyro_x is no misspelt gyro_z
@@ -168,4 +169,5 @@ def _refusal(error: pandera.errors.SchemaError, frame: pd.DataFrame) -> InputErr
         unit = UNITS.get(column) or ("whole numbers" if column == "robot" else "text")
         said = {"bool": "true or false"}.get(unit, f"numbers ({unit})" if unit else "text")
         said = "whole numbers" if column == "robot" else said
+        said += "; dates are for `realitygap import csv`" if column == "t" else ""
     return InputError(f"column {column}", wrong, said)

@@ -11,11 +11,13 @@ import pytest
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.models.formats import bag as bags
 from realitygap.models.formats.asked import Asked
+from realitygap.models.formats.optiodom import read_optiodom
 from realitygap.models.formats.rosbag import bag_topics, read_bag
 from realitygap.models.formats.transforms import chain, composed
 from realitygap.models.log import make_log
+from realitygap.models.modelfile import read_model_file
 from tests.models.bags import EPOCH, KINDS, LATE, commands, poses, together, write_bag
-from tests.models.small import driven_log
+from tests.models.small import driven_log, shared_data
 
 DRIVE = Drive()
 ASKED = Asked(drive=DRIVE)
@@ -247,3 +249,20 @@ def test_without_the_library_it_is_said_what_to_install(tmp_path, monkeypatch):
     found = importlib.util.find_spec
     monkeypatch.setattr(bags, "find_spec", lambda n: None if n == "rosbags" else found(n))
     assert "the extra [ros] to be installed: pip install 'reality-gap[ros]'" in refusal(path)
+
+
+@pytest.mark.slow
+def test_a_real_robots_log_comes_back_from_a_bag(tmp_path):
+    directory = shared_data("optiodom") / "circular" / "231220200121"
+    drive = read_model_file("optiodom").nominal_drive
+    table = read_optiodom(directory, drive=drive)
+    frame = table[table["run"] == table["run"].iloc[0]].reset_index(drop=True)
+    frame["t"] -= frame["t"].iloc[0]
+    for kind in KINDS:
+        say = together(commands(frame), poses(frame, "/optitrack/robot/pose"))
+        path = write_bag(tmp_path / kind, kind, say)
+        log = make_log(read_bag(path, Asked(drive=drive)).table, drive=drive)
+        want = make_log(frame, drive=drive)
+        assert len(log.t) >= len(want.t) - 1
+        assert np.allclose(log.poses[:, :2], want.poses[: len(log.t), :2], atol=1e-5)
+        assert np.allclose(log.commands, want.commands[: len(log.t)], atol=1e-6)
