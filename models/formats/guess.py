@@ -7,6 +7,7 @@ measured motion follows the commands. The map is written as TOML, for its user t
 from __future__ import annotations
 
 import itertools
+import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -39,6 +40,7 @@ FEASIBLE = 3.0
 """Times the fastest a wheel turns that it is told at most: in logarithms half way to a unit ten
 times as large."""
 QUATERNION = ("qx", "qy", "qz", "qw")
+_NUMBER = re.compile(r"-?[0-9.]+(e[+-]?[0-9]+)?", re.IGNORECASE)
 Told = dict[str, str | float]
 """Unit and scale of a column, where they are not the log's own."""
 
@@ -101,6 +103,8 @@ def _columns(raw: pd.DataFrame, path: Path, *, poses: bool) -> dict[str, tuple[s
         found = {name: one for name, one in found.items() if name not in QUATERNION}
     _one_pair(found)
     needed = ("t", "x", "y") if poses else ("t",)
+    if len(raw.columns) and all(_NUMBER.fullmatch(str(header)) for header in raw.columns):
+        raise InputError(path.name, "numbers in the first line", "the names of the columns there")
     missing = [name for name in needed if name not in found]
     missing += [] if "yaw" in found or whole or not poses else ["yaw"]
     if not any(set(pair) <= set(found) for pair in (WHEEL_COMMANDS, BODY_COMMANDS)):

@@ -3,7 +3,8 @@
 A session is a directory `<id>/` with `<id>.csv` (the robot's own log: wheel ticks and commands, the
 runs one after the other) and `<id>_run-NN.csv` (poses of an OptiTrack system with the ticks they
 were synchronised by); `<id>_run-NN_odo.csv` and `_opti.csv` beside them are not read. A pose row is
-joined to a command row through their same sequence of ticks: nothing is interpolated. The authors synchronised by hand: delays below a cycle mean nothing.
+joined to a command row through their same sequence of ticks: nothing is interpolated. The authors
+synchronised by hand: delays below a cycle mean nothing.
 """
 
 from __future__ import annotations

@@ -107,6 +107,13 @@ def test_what_is_missing_is_named_with_what_is_there(dropped, said):
     assert "\n" not in str(caught.value)
 
 
+def test_a_table_without_names_is_told_what_it_lacks():
+    raw = FRAME.drop(columns="run")
+    raw.columns = [str(value) for value in raw.iloc[0]]
+    with pytest.raises(InputError, match="got numbers in the first line, expected the names"):
+        guess(raw, Path("lab.csv"), drive=DRIVE)
+
+
 @pytest.mark.parametrize(
     ("header", "column", "unit"),
     [

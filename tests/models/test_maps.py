@@ -108,7 +108,7 @@ def turned(frame):
         ('unit = "deg"', 180 / np.pi),
         ('unit = "turns"', 0.5 / np.pi),
         ('unit = "ticks", per_turn = 4096', 4096 / (2 * np.pi)),
-        ('unit = "ticks", per_turn = 4096, wraps = 65536', 4096 / (2 * np.pi)),
+        ('unit = "ticks", per_turn = 4096, wraps = 1000', 4096 / (2 * np.pi)),
         ('unit = "ticks", per_turn = -4096', None),
     ],
 )
@@ -118,7 +118,7 @@ def test_wheel_angles_become_speeds_since_the_row_before(tmp_path, given, per_ra
     columns = PLAIN | {f"wheel_{k}": f'{{ from = "a_{k}", {given} }}' for k in ("left", "right")}
     for side, angle in turned(FRAME).items():
         count = angle * (per_radian or 1.0)
-        frame = frame.assign(**{f"a_{side}": count % 65536 if "wraps" in given else count})
+        frame = frame.assign(**{f"a_{side}": count % 1000 if "wraps" in given else count})
     frame = frame.sort_values(order)
     if per_radian is None:
         assert "per_turn" in refusal(tmp_path, frame, columns)
