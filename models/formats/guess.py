@@ -32,8 +32,9 @@ from realitygap.models.unit_mistakes import Reading
 
 ROWS = 4000
 """Rows of which motion is tried. Our choice: minutes of a robot."""
-ALIKE = 0.01
-"""Disagreements that differ by less are the same: a hundredth of the motion, our choice."""
+WRONG = 0.67
+"""Disagreement from which on units are wrong: motion a fifth of what was told, (1 - 0.2) / (1 + 0.2).
+Robots on ice turn a third of it; the nearest two units, rpm and rad/s, are 9.5 apart."""
 LATEST = 1e10
 """s since 1970: the year 2286."""
 FEASIBLE = 3.0
@@ -73,9 +74,7 @@ def guess(
     why["t"] = "by its header" if "t" in units else "its unit by its values"
     readings = list(_readings(found, units))
     off = [_off(raw, found, {**given, **one}, path, drive, fastest, seen) for one in readings]
-    # of readings that agree as well, as do metres with m/s and millimetres with mm/s, the first
-    agreeing = (k for k, one in enumerate(off) if one <= min(off) + ALIKE)
-    best = 0 if off[0] <= GOOD else next(agreeing)
+    best = _best(readings, off)
     for name, told in readings[best].items():
         if readings[best] != readings[0] or "unit" in told:
             why[name] = "by how the robot moved"
@@ -90,7 +89,7 @@ def _columns(raw: pd.DataFrame, path: Path, *, poses: bool) -> dict[str, tuple[s
         name = said.column
         if not name or (said.unit and name in UNITS and said.unit not in units_of(name, Drive())):
             continue
-        if name in ENCODERS and (said.unit in TURNS or not said.unit):
+        if name in ENCODERS and not said.exact and (said.unit in TURNS or not said.unit):
             continue  # an angle or a speed: only its owner knows, and a turn's ticks as well
         former = found.get(name)
         better = former is None or (said.exact, said.told) > (former[1].exact, former[1].told)
@@ -172,6 +171,28 @@ def _readings(
         ]
     for length, angle, command in itertools.product(lengths, angles, commands):
         yield {**length, **angle, **command}
+
+
+def _best(readings: list[dict[str, Told]], off: list[float]) -> int:
+    """The reading to take: the first, in the log's own units, unless its units are wrong.
+
+    Of the others the one with the fewest changes: lengths, angles and speeds that are all wrong by
+    like factors agree as well as they do in their own units.
+    """
+    if off[0] < WRONG:
+        return 0
+    for most in (GOOD, WRONG):
+        fit = [k for k, one in enumerate(off) if one < most]
+        if fit:
+            return min(fit, key=lambda k: (_changes(readings[k]), off[k]))
+    return 0
+
+
+def _changes(reading: Mapping[str, Told]) -> int:
+    """How many units and signs of a reading are not the log's own."""
+    parts = [(name, reading[name]) for name in reading if name not in ("y", "cmd_right")]
+    units = sum(told.get("unit", UNITS[name]) != UNITS[name] for name, told in parts)
+    return units + sum(told.get("scale", 1) != 1 for _, told in parts)
 
 
 def _off(

@@ -15,7 +15,8 @@ from realitygap.models.formats.guess import guess
 from realitygap.models.formats.headers import understood
 from realitygap.models.formats.tabular import by_any_map
 from realitygap.models.log import make_log
-from tests.models.small import driven_log
+from realitygap.models.modelfile import load_model
+from tests.models.small import driven_log, shared_data
 
 DRIVE = Drive()
 ASKED = Asked(drive=DRIVE)
@@ -87,6 +88,20 @@ def test_motion_that_follows_no_command_is_told():
     assert "look twice" in guess(raw, Path("lab.csv"), drive=DRIVE)
 
 
+def test_a_robot_that_drives_badly_is_not_taken_for_one_in_other_units():
+    # on ice: 0.4 of the speed and 0.3 of the turn that it is told
+    slow = driven_log(3, rows=800, drive=Drive(wheel_radius=(0.0082, 0.0082), axle=0.071))
+    columns = tomllib.loads(guess(slow, Path("lab.csv"), drive=DRIVE))["columns"]
+    assert {one["unit"] for name, one in columns.items() if name not in ("run", "robot")} == {
+        *("s", "m", "rad", "rad/s")
+    }
+
+
+def test_wheels_of_the_logs_own_name_are_speeds():
+    raw = FRAME.assign(wheel_left=LEFT, wheel_right=RIGHT)
+    assert tomllib.loads(guess(raw, Path("lab.csv"), drive=DRIVE))["columns"]["wheel_left"]
+
+
 def test_millimetres_throughout_are_told_by_what_the_robot_can_do():
     raw = pd.DataFrame({"t": T, "x": X * 1e3, "y": Y * 1e3, "yaw": YAW, "v": V * 1e3, "w": OMEGA})
     raw = raw[ROBOT == 0]
@@ -142,3 +157,15 @@ def test_a_table_without_names_is_told_what_it_lacks():
 )
 def test_headers_are_understood(header, column, unit):
     assert understood(header)[:2] == (column, unit)
+
+
+@pytest.mark.parametrize("name", ["husky-wetgrass", "warthog-ice"])
+def test_real_robots_that_slip_keep_the_units_of_their_logs(name):
+    raw = pd.read_parquet(shared_data("drive") / f"{name}.parquet")
+    drive = load_model(name.partition("-")[0], sensors="ignored").drive
+    columns = tomllib.loads(guess(raw, Path("lab.csv"), drive=drive))["columns"]
+    assert columns["x"] == {"from": "x", "unit": "m"}
+    assert columns["yaw"] == {"from": "yaw", "unit": "rad"}
+    assert not {"deg/s", "rpm", "steps/s", "mm/s"} & {
+        one["unit"] for one in columns.values() if isinstance(one, dict)
+    }
