@@ -33,8 +33,8 @@ from realitygap.models.unit_mistakes import Reading
 ROWS = 4000
 """Rows of which motion is tried. Our choice: minutes of a robot."""
 WRONG = 0.67
-"""Disagreement from which on units are wrong: motion a fifth of what was told, (1 - 0.2) / (1 + 0.2).
-Robots on ice turn a third of it; the nearest two units, rpm and rad/s, are 9.5 apart."""
+"""Disagreement from which on units are wrong: a fifth of the motion told, (1 - 0.2) / (1 + 0.2).
+Robots on ice turn by a third of it; the nearest two units, rpm and rad/s, are 9.5 apart."""
 LATEST = 1e10
 """s since 1970: the year 2286."""
 FEASIBLE = 3.0
@@ -75,9 +75,9 @@ def guess(
     readings = list(_readings(found, units))
     off = [_off(raw, found, {**given, **one}, path, drive, fastest, seen) for one in readings]
     best = _best(readings, off)
+    by = "by how the robot moved" if off[best] <= GOOD else "the log's own, as motion does not tell"
     for name, told in readings[best].items():
-        if readings[best] != readings[0] or "unit" in told:
-            why[name] = "by how the robot moved"
+        why[name] = by if name not in units or "scale" in told else why[name]
     return _text(raw, found, {**given, **readings[best]}, why, path, off[best])
 
 

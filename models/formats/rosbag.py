@@ -41,7 +41,8 @@ def read_bag(path: Path, asked: Asked) -> Read:
             chosen, name, text = read_bag_map(asked.map), asked.map.name, ""
         else:
             text = asked.guessed or guess_topics(bag)
-            chosen = checked(BagMap, tomllib.loads(text), GUESSED, "a map of topics")
+            with parsing(str(path), "topics that a map can name (--map)"):
+                chosen = checked(BagMap, tomllib.loads(text), GUESSED, "a map of topics")
             name = str(GUESSED)
         chosen.check(bag, name)
         robots = {0: chosen.topics} if chosen.topics else dict(chosen.robots)

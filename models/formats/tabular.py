@@ -12,6 +12,7 @@ from realitygap.models.formats.asked import Asked, Read
 from realitygap.models.formats.guess import guess
 from realitygap.models.formats.mapped import Map, by_map, read_map
 from realitygap.models.log import read_table
+from realitygap.models.opened import parsing
 
 GUESSED = Path("guessed map")
 """What a guessed map is called in a refusal."""
@@ -36,7 +37,8 @@ def by_any_map(raw: pd.DataFrame, path: Path, asked: Asked) -> Read:
         chosen, folder, name, text = read_map(asked.map), asked.map.parent, asked.map.name, ""
     else:
         text = asked.guessed or guess(raw, path, drive=asked.drive, fastest=asked.fastest)
-        chosen = checked(Map, tomllib.loads(text), GUESSED, "a map")
+        with parsing(str(path), "columns that a map can name (--map)"):
+            chosen = checked(Map, tomllib.loads(text), GUESSED, "a map")
         folder, name = path.parent, str(GUESSED)
     table = by_map(raw, chosen, path=path, folder=folder, name=name, drive=asked.drive)
     return Read(table, text)

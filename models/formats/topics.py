@@ -160,7 +160,9 @@ def guess_topics(bag: Bag) -> str:
     if len(robots) == 1:
         return "\n".join([*head, "", *_robot("topics", "", bag, heard)])
     tables = [
-        line for robot in robots for line in _robot(f"robots.{_key(robot)}", robot, bag, heard)
+        line
+        for robot in robots
+        for line in _robot(f"robots.{_key(robot, robots)}", robot, bag, heard)
     ]
     return "\n".join([*head, "", *tables])
 
@@ -248,8 +250,10 @@ def _quoted(text: str) -> str:
     return tomli_w.dumps({"a": text}).removeprefix("a = ").rstrip("\n")
 
 
-def _key(robot: str) -> str:
-    return _quoted(_last(robot) or "unnamed")
+def _key(robot: str, robots: Sequence[str]) -> str:
+    """What a robot is called: the last part of its name space, if no other has the same."""
+    short = [_last(one) for one in robots]
+    return _quoted((_last(robot) if short.count(_last(robot)) == 1 else robot) or "unnamed")
 
 
 def describe(topics: Sequence[Topic]) -> list[Mapping[str, str | int]]:

@@ -190,6 +190,20 @@ def test_robots_are_called_by_their_name_spaces(tmp_path, kind):
     assert log.names == {0: "tb3_0", 1: "tb3_1"}
 
 
+def test_name_spaces_that_end_alike_are_told_apart_or_left_to_the_user(tmp_path):
+    parts = []
+    for name in ("one/base", "two/base"):
+        parts += [commands(FRAME, f"/{name}/cmd_vel"), poses(FRAME, f"/{name}/pose")]
+    path = write_bag(tmp_path / "bag", "ros2", together(*parts))
+    assert "2 topics that could be commands" in refusal(path)
+    text = "".join(
+        f'[robots."{n}/base"]\ncommands = "/{n}/base/cmd_vel"\nposes = "/{n}/base/pose"\n'
+        for n in ("one", "two")
+    )
+    table = read_bag(path, mapped(tmp_path, text)).table
+    assert set(table["robot"]) == {"one/base", "two/base"}
+
+
 def test_a_goal_is_no_pose_and_a_choice_is_the_users(tmp_path):
     say = together(commands(FRAME), poses(FRAME, "/goal_pose"), poses(FRAME, "/a/pose"))
     assert 'poses = "/a/pose"' in read_bag(write_bag(tmp_path / "a", "ros2", say), ASKED).guessed
