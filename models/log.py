@@ -129,13 +129,9 @@ def make_log(
     fastest: float | None = None,
     known: Mapping[str, int] | None = None,
 ) -> MeasuredLog:
-    """A measured log from a table with the columns of `models.schema`.
+    """A measured log from a table with the columns of `models.schema`; arguments as `read_log`.
 
-    Args:
-        frame: The table.
-        drive: As of `read_log`.
-        fastest: As of `read_log`.
-        known: Numbers of robots that a model has by name.
+    `known` are the numbers of robots that a model has by name.
 
     Raises:
         InputError: as `read_log`.
