@@ -14,6 +14,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 from realitygap.models.extension import Extension
+from realitygap.models.named import Names
 from realitygap.models.naming.findings import Named
 from realitygap.models.proposal.menu import Proposal
 from realitygap.models.used import Used
@@ -88,6 +89,8 @@ class Diagnosis:
     notes: tuple[str, ...] = ()
     """Repairs of the log."""
     robots: tuple[int, ...] = ()
+    names: Names = field(default_factory=Names)
+    """What robots are called, where the log has names."""
     reference: str = ""
     """What health was taken from; empty: nothing."""
     proposal: Proposal | None = None
@@ -112,9 +115,9 @@ def alternatives(named: Named) -> list[str]:
     return list(dict.fromkeys(name for name in names if name != own))
 
 
-def robots_of(named: Named) -> list[int] | str:
+def robots_of(named: Named, names: Names) -> list[int | str] | str:
     """Robots as `diagnosis.json` has them."""
-    return "all" if named.whole_swarm else list(named.robots)
+    return "all" if named.whole_swarm else [names.key(robot) for robot in named.robots]
 
 
 def next_experiment(found: Diagnosis) -> dict[str, Any] | None:
@@ -135,36 +138,37 @@ def next_experiment(found: Diagnosis) -> dict[str, Any] | None:
 
 def as_json(found: Diagnosis) -> dict[str, Any]:
     """The content of `diagnosis.json`."""
+    names = found.names
     return {
         "schema": SCHEMA,
         "verdict": found.verdict,
-        "causes": [_cause(one) for one in found.named],
+        "causes": [_cause(one, names) for one in found.named],
         "unexplained": [
             {
                 "channel": one.channel,
                 "share": one.share,
                 "where": one.where,
                 "quantity": one.quantity,
-                "robots": one.robots if one.robots == "all" else list(one.robots),
+                "robots": "all" if one.robots == "all" else [names.key(k) for k in one.robots],
                 "distance": one.distance,
             }
             for one in found.unexplained
         ],
         "next_experiment": next_experiment(found),
         "gain": {name: asdict(gain) for name, gain in found.gain.items()},
-        "detectable": {one.cause: _detectable(one) for one in found.detectable},
+        "detectable": {one.cause: _detectable(one, names) for one in found.detectable},
         "log": {
-            "robots": [one._asdict() for one in found.used],
-            "cannot_tell": {str(robot): list(names) for robot, names in found.untold.items()},
+            "robots": [one._asdict() | {"robot": names.key(one.robot)} for one in found.used],
+            "cannot_tell": {names[robot]: list(unseen) for robot, unseen in found.untold.items()},
         },
-        "robots": list(found.robots),
+        "robots": [names.key(robot) for robot in found.robots],
         "reference": found.reference,
         "not_checked": list(found.not_checked),
         "notes": list(found.notes),
     }
 
 
-def _cause(named: Named) -> dict[str, Any]:
+def _cause(named: Named, names: Names) -> dict[str, Any]:
     cause = named.term.cause
     parameters: dict[str, dict[str, Any]] = {
         v.name: {"value": v.value, "low": v.low, "high": v.high, "unit": v.unit}
@@ -174,7 +178,7 @@ def _cause(named: Named) -> dict[str, Any]:
         parameters[cause.word] = {"value": named.term.variant, "unit": "word"}
     return {
         "name": cause.name,
-        "robots": robots_of(named),
+        "robots": robots_of(named, names),
         "parameters": parameters,
         "evidence": {
             "held_out_gain": named.evidence.share,
@@ -188,11 +192,13 @@ def _cause(named: Named) -> dict[str, Any]:
     }
 
 
-def _detectable(one: Detectable) -> dict[str, Any]:
-    return {name: value for name, value in asdict(one).items() if name != "cause"}
+def _detectable(one: Detectable, names: Names) -> dict[str, Any]:
+    said = {name: value for name, value in asdict(one).items() if name != "cause"}
+    return said | {"robot": None if one.robot is None else names.key(one.robot)}
 
 
 def extension(found: Diagnosis, *, log_hash: str, command: str) -> Extension:
     """The named causes that are exported, as a model file's `[extension]`."""
     causes = (written(one, one.values) for one in found.named if one.exported)
-    return Extension(log=log_hash, command=command, causes=tuple(causes))
+    known = {name: robot for robot, name in found.names.items()}
+    return Extension(log=log_hash, command=command, causes=tuple(causes), names=known)

@@ -29,11 +29,14 @@ def extended_text(model: ModelFile, added: Extension, tables: str | None = None)
         tables: File of the captured tables beside it; None: as in the model.
     """
     content: dict[str, Any] = model.model_dump(mode="json", exclude_none=True)
-    earlier = model.extension.causes if model.extension else ()
-    causes = [one.model_dump(mode="json", exclude_none=True) for one in (*earlier, *added.causes)]
+    earlier = model.extension or Extension()
+    every = (*earlier.causes, *added.causes)
+    causes = [one.model_dump(mode="json", exclude_none=True) for one in every]
     if tables is not None:
         content["sensors"] = {"tables": tables}
     content["extension"] = {"log": added.log, "command": added.command, "causes": causes}
+    if names := earlier.names | added.names:
+        content["extension"]["names"] = names
     return tomli_w.dumps(content)
 
 

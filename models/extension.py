@@ -4,6 +4,7 @@
 [extension]
 log = "sha256 of the measured log"
 command = "realitygap diagnose ..."
+names = { alice = 3 }     # only where the log calls robots by name
 
 [[extension.causes]]
 name = "motor_saturation"
@@ -36,6 +37,7 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.catalogue import every_cause
 from realitygap.models.causes import ALL, Cause, Motion, Parameter
 from realitygap.models.files import Refused, Table
+from realitygap.models.named import Names
 from realitygap.models.senses.cause import Belief, SenseCause
 
 ROBOTS = 'robot numbers from 0, as in [3] or [1, 4], or "all"'
@@ -159,6 +161,23 @@ class Extension(Table):
     """SHA-256 of the measured log they were found in."""
     command: str = ""
     causes: tuple[NamedCause, ...] = ()
+    names: dict[Annotated[str, Field(min_length=1)], Annotated[int, Field(ge=0)]] = Field(
+        default_factory=dict
+    )
+    """Numbers of robots that their log calls by name: a later log of them gets the same."""
+
+    @field_validator("names")
+    @classmethod
+    def _apart(cls, names: dict[str, int]) -> dict[str, int]:
+        """Refuse two names of one robot."""
+        if len(set(names.values())) < len(names):
+            raise Refused("", repr(names), "a number of its own for each name")
+        return names
+
+    @property
+    def called(self) -> Names:
+        """Robots by number."""
+        return Names({number: name for name, number in self.names.items()})
 
     @property
     def robots(self) -> list[int]:
@@ -179,8 +198,11 @@ class Extension(Table):
             for robot in () if cause.robots == "all" else cause.robots:
                 if robot not in known:
                     field = f"{file}: extension.causes.{index}.robots"
-                    listed = [str(k) for k in sorted(known)]
-                    raise InputError(field, robot, f"a robot: {nearest(str(robot), listed)}")
+                    called = self.called
+                    listed = [called[k] for k in sorted(known)]
+                    raise InputError(
+                        field, called[robot], f"a robot: {nearest(called[robot], listed)}"
+                    )
 
     def applied(self, motion: Motion, robot: int | None) -> Motion:
         """The motion of a robot with every cause that concerns it."""

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +19,7 @@ import pyarrow.parquet as pq
 
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.named import Names, numbered
 from realitygap.models.plausible import check_units
 from realitygap.models.schema import (
     BODY_COMMANDS,
@@ -32,7 +34,10 @@ from realitygap.models.table_files import read_csv, read_parquet
 from realitygap.models.tracker import held, repair
 
 SAMPLES = "samples.parquet"
-EXPECTED = "a readable table (.parquet, .csv or .csv.gz), or a run's directory"
+EXPECTED = (
+    "a readable table (.parquet, .csv or .csv.gz), or a run's directory; what else labs have is "
+    "turned into one by `realitygap import`"
+)
 GAP_STEPS = 3.5
 """A stretch ends where rows are missing for longer than this many median steps. Our choice: two
 lost rows are bridged by the last command, more are not."""
@@ -60,6 +65,8 @@ class MeasuredLog:
     """What recorded it, where its file says so."""
     notes: tuple[str, ...]
     """Repairs and omissions, counted, in plain words."""
+    names: Names = field(default_factory=Names)
+    """What robots are called; `robot` of the frame and the segments is a number all the same."""
 
     @property
     def t(self) -> FloatArray:
@@ -70,6 +77,12 @@ class MeasuredLog:
     def poses(self) -> FloatArray:
         """(rows, 3) measured x, y (m) and yaw (rad); NaN where not tracked."""
         return np.ascontiguousarray(self.frame[list(POSE)].to_numpy(dtype=np.float64))
+
+    @property
+    def robots(self) -> npt.NDArray[Any]:
+        """(rows,) whose row it is: names where the log has them, else numbers."""
+        numbers = self.frame["robot"]
+        return (numbers.map(self.names.key) if self.names else numbers).to_numpy()
 
     @property
     def segment(self) -> npt.NDArray[np.int64]:
@@ -111,14 +124,23 @@ def read_table(path: Path) -> pd.DataFrame:
     raise InputError("log", path, EXPECTED)
 
 
-def make_log(frame: pd.DataFrame, *, drive: Drive, fastest: float | None = None) -> MeasuredLog:
+def make_log(
+    frame: pd.DataFrame,
+    *,
+    drive: Drive,
+    fastest: float | None = None,
+    known: Mapping[str, int] | None = None,
+) -> MeasuredLog:
     """A measured log from a table with the columns of `models.schema`; arguments as `read_log`.
+
+    `known` are the numbers of robots that a model has by name.
 
     Raises:
         InputError: as `read_log`.
     """
     notes = [f"column {name} is not read" for name in check_columns(list(frame.columns))]
-    table = coerce(frame)
+    robots, called = numbered(frame["robot"], known)
+    table = coerce(frame.assign(robot=robots))
     if "run" not in table:
         table = table.assign(run="run")
     repeated = table.duplicated()
@@ -133,7 +155,8 @@ def make_log(frame: pd.DataFrame, *, drive: Drive, fastest: float | None = None)
     usable, dropped_before = usable.reset_index(drop=True), _after(dropped)
     start, segments = _segments(usable)
     t = usable["t"].to_numpy()
-    _check_time(t, start, segments)
+    names = [f"robot {called[r]} in run {run}" for run, r in segments.itertuples(index=False)]
+    _check_time(t, start, names)
     steps = np.diff(t)
     inside = np.ones(len(steps), dtype=bool)
     inside[start[1:-1] - 1] = False
@@ -145,7 +168,6 @@ def make_log(frame: pd.DataFrame, *, drive: Drive, fastest: float | None = None)
     if gaps:
         notes.append(f"{gaps} gaps in time: nothing is replayed across them")
     commands, poses = wheel_commands(usable, drive), usable[list(POSE)].to_numpy(dtype=np.float64)
-    names = [f"robot {r} in run {run}" for run, r in segments.itertuples(index=False)]
     check_units(t, poses, commands, start, drive=drive, names=names, fastest=fastest)
     stretch = np.concatenate([[0], np.cumsum(breaks)])
     segment = np.repeat(np.arange(len(segments)), np.diff(start))
@@ -166,6 +188,7 @@ def make_log(frame: pd.DataFrame, *, drive: Drive, fastest: float | None = None)
         step=step,
         recorder=str(frame.attrs.get("recorder", "")),
         notes=(*notes, *track.notes),
+        names=called,
     )
 
 
@@ -202,7 +225,7 @@ def _segments(frame: pd.DataFrame) -> tuple[npt.NDArray[np.int64], pd.DataFrame]
     return np.append(first, len(frame)), keys.iloc[first].reset_index(drop=True)
 
 
-def _check_time(t: FloatArray, start: npt.NDArray[np.int64], segments: pd.DataFrame) -> None:
+def _check_time(t: FloatArray, start: npt.NDArray[np.int64], names: list[str]) -> None:
     """Refuse time that does not increase within a robot's run, and say what it looks like."""
     step = np.diff(t)
     step[start[1:-1] - 1] = np.inf
@@ -212,20 +235,19 @@ def _check_time(t: FloatArray, start: npt.NDArray[np.int64], segments: pd.DataFr
     row = int(wrong[0])
     segment = int(np.searchsorted(start, row, side="right")) - 1
     first, last = start[segment], start[segment + 1]
-    who = segments.iloc[segment]
-    field = f"t of robot {who['robot']} in run {who['run']}"
+    where = f"t of {names[segment]}"
     values, count = np.unique(t[first:last], return_counts=True)
     twice = int((count > 1).sum())
     if len(values) == 1:
         raise InputError(
-            field, f"{values[0]:g} s in all {last - first} rows", "time that increases"
+            where, f"{values[0]:g} s in all {last - first} rows", "time that increases"
         )
     if 2 * twice > len(values):
         seen = f"{twice} of {len(values)} times more than once, with different rows"
-        raise InputError(field, seen, "one robot per id: give two robots two numbers")
+        raise InputError(where, seen, "one robot per id: give two robots two numbers")
     inside = (wrong >= first) & (wrong < last)
     seen = f"{t[row + 1]:g} s after {t[row]:g} s, and {int(inside.sum()) - 1} more such rows"
-    raise InputError(field, seen, "increasing time: sort the rows by t, keep one row per time")
+    raise InputError(where, seen, "increasing time: sort the rows by t, keep one row per time")
 
 
 def write_table(frame: pd.DataFrame, path: Path, units: Mapping[str, str] = UNITS) -> None:

@@ -191,7 +191,7 @@ def window_conditions(
 def condition_bins(log: MeasuredLog, table: pd.DataFrame) -> dict[str, Bins]:
     """Groups of every condition that varies in these rows."""
     names = {
-        "robot": tuple(f"robot {r}" for r in np.unique(log.frame["robot"])),
+        "robot": tuple(f"robot {log.names[r]}" for r in np.unique(log.frame["robot"])),
         "run": tuple(f"run {r}" for r in np.unique(log.frame["run"].astype(str))),
     }
     cuts = {"all": Bins(np.zeros(len(table), dtype=np.int64), ("all",), (0.0,))}

@@ -126,7 +126,8 @@ def _check_speed(commands: FloatArray, drive: Drive, fastest: float | None) -> N
         raise InputError(
             "commands",
             f"wheel speeds of {told:.3g} rad/s ({ground:.3g} m/s)",
-            f"at most {fastest:g} rad/s on this robot: are lengths in millimetres throughout?",
+            f"at most {fastest:g} rad/s on this robot: are lengths in millimetres throughout, or "
+            "is it another --model?",
         )
 
 

@@ -24,6 +24,9 @@ ENCODERS = ("wheel_left", "wheel_right")
 PS = tuple(f"ps{k}" for k in range(SENSORS))
 LS = tuple(f"ls{k}" for k in range(SENSORS))
 VIRTUAL = ("food", "nest")
+ODOMETRY = ("odom_x", "odom_y", "odom_yaw")
+CARRIED = ("gyro_z", *ODOMETRY)
+"""What the robot measured of its own motion: kept with a log; nothing is concluded from it yet."""
 KEYS = ("run", "robot")
 
 UNITS = {
@@ -34,6 +37,8 @@ UNITS = {
     **dict.fromkeys(WHEEL_COMMANDS, "rad/s"),
     **dict(zip(BODY_COMMANDS, ("m/s", "rad/s"), strict=True)),
     **dict.fromkeys(ENCODERS, "rad/s"),
+    "gyro_z": "rad/s",
+    **dict(zip(ODOMETRY, ("m", "m", "rad"), strict=True)),
     **dict.fromkeys((*PS, *LS), "counts"),
     **dict.fromkeys(VIRTUAL, "bool"),
     "case": "",
@@ -65,7 +70,7 @@ SCHEMA = pa.DataFrameSchema(
         "robot": pa.Column(int, coerce=True),
         "t": _numbers(limit=1e20),
         **{name: _numbers() for name in (*POSE, *WHEEL_COMMANDS, *BODY_COMMANDS)},
-        **{name: _numbers() for name in (*ENCODERS, *PS, *LS)},
+        **{name: _numbers() for name in (*ENCODERS, *CARRIED, *PS, *LS)},
         **{
             name: pa.Column("boolean", nullable=True, coerce=True, required=False)
             for name in VIRTUAL
@@ -97,9 +102,11 @@ def check_columns(columns: list[str]) -> list[str]:
     for name in ("robot", "t", *POSE):
         if name not in columns:
             expected = f"a column {name} ({UNITS[name] or 'whole number'}){_instead(name, unknown)}"
+            expected += "; other names and units are for `realitygap import csv`"
             raise InputError("columns", ", ".join(map(str, columns)) or "none", expected)
     for name in unknown:
-        absent = [known for known in UNITS if known not in columns]
+        # a lab's gyro_x is no misspelt gyro_z
+        absent = [known for known in UNITS if known not in (*columns, *CARRIED)]
         word = shown(name, LONGEST_NAME).lower()
         if difflib.get_close_matches(word, absent, n=1, cutoff=_NEAR):
             raise InputError(f"column {name}", "an unknown name", nearest(word, absent))
@@ -162,4 +169,5 @@ def _refusal(error: pandera.errors.SchemaError, frame: pd.DataFrame) -> InputErr
         unit = UNITS.get(column) or ("whole numbers" if column == "robot" else "text")
         said = {"bool": "true or false"}.get(unit, f"numbers ({unit})" if unit else "text")
         said = "whole numbers" if column == "robot" else said
+        said += "; dates are for `realitygap import csv`" if column == "t" else ""
     return InputError(f"column {column}", wrong, said)

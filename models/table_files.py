@@ -19,6 +19,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from realitygap.embedded_sim import InputError
+from realitygap.models.dialect import Dialect, dialect
 from realitygap.models.opened import opened, parsing
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ def read_parquet(path: Path, expected: str) -> pd.DataFrame:
 
 
 def read_csv(path: Path, expected: str, *, packed: bool) -> pd.DataFrame:
-    """A CSV file as a table.
+    """A CSV file as a table, in the dialect that its first lines show (`models.dialect`).
 
     Args:
         path: The file.
@@ -83,11 +84,13 @@ def read_csv(path: Path, expected: str, *, packed: bool) -> pd.DataFrame:
     """
     with opened(path, expected, most=MOST_BYTES) as file, parsing(str(path), expected):
         source: Any = gzip.GzipFile(fileobj=file) if packed else file
-        width = _width(path, source.read(HEAD))
+        head = source.read(HEAD)
+        written = dialect(head)
+        width = _width(path, head, written)
         source.seek(0)
         stream = _Counted(path, source, width)
         try:
-            return _parsed(io.BufferedReader(stream, HEAD))
+            return _parsed(io.BufferedReader(stream, HEAD), written)
         except Exception:
             if stream.refusal is not None:  # the parser hides why its source failed
                 raise stream.refusal from None
@@ -130,24 +133,30 @@ def _check(path: Path, rows: int, columns: int, size: int) -> None:
         raise InputError(str(path), f"more than {MOST_BYTES} bytes unpacked", LESS)
 
 
-def _width(path: Path, head: bytes) -> int:
+def _width(path: Path, head: bytes, written: Dialect) -> int:
     """Columns of a CSV by its header and first rows, those that pandas takes for an index too."""
     if len(head) == HEAD:
         head = head[: max(head.rfind(b"\n"), head.rfind(b"\r")) + 1]
         if not head:
             raise InputError(str(path), f"a line of {HEAD} bytes or more", "a table")
-    first = _parsed(io.BytesIO(head), nrows=1)
+    first = _parsed(io.BytesIO(head), written, nrows=1)
     named = 0 if isinstance(first.index, pd.RangeIndex) else first.index.nlevels
     width = len(first.columns) + named
     _check(path, 0, width, 0)
     return width
 
 
-def _parsed(source: io.BufferedIOBase, nrows: int | None = None) -> pd.DataFrame:
+def _parsed(source: io.BufferedIOBase, written: Dialect, nrows: int | None = None) -> pd.DataFrame:
     with warnings.catch_warnings():
         # a column of numbers and texts is judged where it is known what it should be
         warnings.simplefilter("ignore", pd.errors.DtypeWarning)
-        return pd.read_csv(source, skipinitialspace=True, nrows=nrows)
+        return pd.read_csv(
+            source,
+            sep=written.separator,
+            decimal=written.decimal,
+            skipinitialspace=True,
+            nrows=nrows,
+        )
 
 
 def _is_text(kind: Any) -> bool:

@@ -27,9 +27,10 @@ if TYPE_CHECKING:
     from realitygap.studies.gap.replay import replay
     from realitygap.studies.health.reference import measure_health
     from realitygap.studies.hidden.catalogue import causes, effects
-    from realitygap.studies.inputs.imported import import_log, read_log
+    from realitygap.studies.inputs.imported import guessed_map, import_log, read_log, topics
     from realitygap.studies.inputs.logs import Log
     from realitygap.studies.inputs.model import Model
+    from realitygap.studies.inputs.robot import new_model
     from realitygap.studies.plumbing.execution import Unfinished
     from realitygap.studies.run.capture import capture
     from realitygap.studies.run.simulate import RunResult, simulate
@@ -54,13 +55,16 @@ _WHERE = {
     "diagnose": "studies.diagnosis.diagnose",
     "effects": "studies.hidden.catalogue",
     "gain": "studies.gain.measure",
+    "guessed_map": "studies.inputs.imported",
     "import_log": "studies.inputs.imported",
     "measure_gap": "studies.gap.measure",
     "measure_health": "studies.health.reference",
+    "new_model": "studies.inputs.robot",
     "read_log": "studies.inputs.imported",
     "replay": "studies.gap.replay",
     "simulate": "studies.run.simulate",
     "study": "studies",
+    "topics": "studies.inputs.imported",
 }
 """Module of each public name: imported when it is asked for, so that starting costs little."""
 
@@ -83,13 +87,16 @@ __all__ = [
     "diagnose",
     "effects",
     "gain",
+    "guessed_map",
     "import_log",
     "measure_gap",
     "measure_health",
+    "new_model",
     "read_log",
     "replay",
     "simulate",
     "study",
+    "topics",
 ]
 
 

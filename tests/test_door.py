@@ -254,7 +254,7 @@ def test_a_labs_format_is_read_and_written(tmp_path: Path) -> None:
         (lambda: rg.read_log(3), "log: got 3"),
         (lambda: rg.read_log([]), "log: got nothing"),
         (lambda: rg.read_log("nowhere.csv"), "nowhere.csv"),
-        (lambda: rg.read_log("x", format="rosbag"), "FORMAT: got rosbag"),
+        (lambda: rg.read_log("x", format="papyrus"), "FORMAT: got papyrus"),
         (lambda: rg.read_log("x.csv", map="m.toml"), "map"),
         (lambda: rg.read_log(pd.DataFrame({"t": [0.0]}), format="csv", map="m"), "SOURCE"),
         (lambda: rg.replay("x.csv", horizon=-1.0), "horizon: got -1"),

@@ -1,10 +1,12 @@
 """Commands and poses logged by different clocks or at different rates, joined on time.
 
-A row of the measured log stands at each time a command was given or, where commands come faster
-than poses, at each pose: whichever series is slower keeps its own times. Commands hold until the
-next one and are never interpolated. Poses are interpolated linearly between the two around a row
-(yaw along the shorter turn) unless these lie further apart than `BRIDGE` times their usual
-distance: there the pose is missing.
+Of two series of like rates the slower keeps its own times: a row of the measured log stands at each
+time a command was given or, where commands come faster than poses, at each pose and each change of
+command. Commands more than `BRIDGE` times rarer than poses are no series but events: then, too, a
+row stands at each pose and each change. Commands hold until the next one and are never
+interpolated. Poses are interpolated linearly between the two around a row (yaw along the shorter
+turn) unless these lie further apart than `BRIDGE` times their usual distance: there the pose is
+missing.
 """
 
 from __future__ import annotations
@@ -46,13 +48,12 @@ def join(
             f"{pose_t[-1]:g} s",
             "two series of one clock that overlap",
         )
-    if np.median(np.diff(pose_t)) > np.median(np.diff(command_t)):
-        t = _changes(command_t, commands, pose_t)
-    else:
-        t = command_t
+    slower = np.median(np.diff(command_t)) / np.median(np.diff(pose_t))
+    series_of_its_own = 1.0 <= slower <= BRIDGE
+    t = command_t if series_of_its_own else _changes(command_t, commands, pose_t)
     t = t[(t >= low) & (t <= high)]
     held = np.searchsorted(command_t, t, side="right") - 1
-    return t, commands[held], _interpolated(pose_t, poses, t)
+    return t, commands[held], interpolated(pose_t, poses, t)
 
 
 def latest(t: FloatArray, *columns: FloatArray) -> tuple[FloatArray, ...]:
@@ -70,14 +71,20 @@ def _changes(command_t: FloatArray, commands: FloatArray, pose_t: FloatArray) ->
     return times
 
 
-def _interpolated(pose_t: FloatArray, poses: FloatArray, t: FloatArray) -> FloatArray:
-    """(rows, 3) poses at other times, NaN where the poses around are too far apart."""
+def interpolated(pose_t: FloatArray, poses: FloatArray, t: FloatArray) -> FloatArray:
+    """(rows, columns) poses at other times, NaN where the poses around are too far apart.
+
+    Args:
+        pose_t: (poses,) s, increasing.
+        poses: (poses, columns); a third column is an angle (rad), which takes the shorter turn.
+        t: (rows,) s.
+    """
     after = np.clip(np.searchsorted(pose_t, t), 1, len(pose_t) - 1)
     before = after - 1
     apart = pose_t[after] - pose_t[before]
     weight = np.clip((t - pose_t[before]) / apart, 0.0, 1.0)[:, None]
     change = poses[after] - poses[before]
-    change[:, 2] = wrapped(change[:, 2])
+    change[:, 2:3] = wrapped(change[:, 2:3])
     result = poses[before] + weight * change
     exact = (t == pose_t[before]) | (t == pose_t[after])
     far = (apart > BRIDGE * np.median(np.diff(pose_t))) & ~exact

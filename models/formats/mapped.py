@@ -1,63 +1,85 @@
-"""Any lab's CSV, read by a map: which column is what, and in which unit.
+"""Any lab's tables, read by a map: which column is what, and in which unit.
 
     [columns]                 # measured-log column = column of the file, or a table with its unit
     t = { from = "stamp", unit = "ms" }
     x = { from = "pos_x", unit = "mm" }
     y = { from = "pos_y", unit = "mm" }
-    yaw = { from = "heading", unit = "deg" }
-    cmd_v = "v"
-    cmd_omega = "w"
-    robot = "id"              # absent: one robot, number 0
+    yaw = { quaternion = ["qx", "qy", "qz", "qw"] }
+    cmd_left = { from = "v_left", unit = "m/s" }    # of the rim
+    cmd_right = { from = "v_right", unit = "m/s" }
+    wheel_left = { from = "ticks_l", unit = "ticks", per_turn = 2048, wraps = 65536 }
+    wheel_right = { from = "ticks_r", unit = "ticks", per_turn = 2048, wraps = 65536 }
+    robot = "name"            # absent: one robot, number 0
 
-    [poses]                   # only if poses are in a second file: its columns then come from there
+    [[files]]                 # further files, joined on time
     file = "tracker.csv"      # relative to the map
-    t = { from = "time", unit = "s" }
+    columns = { t = { from = "time", unit = "iso" }, x = "px", y = "py", yaw = "heading" }
 
-With `[poses]` the columns x, y and yaw are read from that file and joined to the commands on time
-(`models.formats.joined`).
+`[poses]` with `file` and `t` is short for a further file from which x, y and yaw come, named as in
+`[columns]`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import pandas as pd
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from realitygap.embedded_sim import InputError
+from realitygap.embedded_sim import Drive, InputError
 from realitygap.embedded_sim.errors import nearest
-from realitygap.models.files import Table, checked
-from realitygap.models.formats.joined import join, latest, series
+from realitygap.models.files import Refused, Table, checked
+from realitygap.models.formats.streams import merged, with_speeds
+from realitygap.models.formats.units import (
+    ANGLES,
+    ISO,
+    SCALES,
+    TURNS,
+    heading,
+    iso_seconds,
+    numbers,
+    units_of,
+)
 from realitygap.models.log import read_table
-from realitygap.models.opened import parsing, toml_values
-from realitygap.models.schema import BODY_COMMANDS, POSE, UNITS, WHEEL_COMMANDS
-from realitygap.models.unit_mistakes import EPUCK_STEPS
+from realitygap.models.opened import toml_values
+from realitygap.models.schema import KEYS, POSE, UNITS
 
-SCALES: dict[str, dict[str, float]] = {
-    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
-    "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
-    "rad": {"rad": 1.0, "deg": np.pi / 180},
-    "m/s": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
-    "rad/s": {
-        "rad/s": 1.0,
-        "deg/s": np.pi / 180,
-        "rpm": 2 * np.pi / 60,
-        "steps/s": 2 * np.pi / EPUCK_STEPS,
-    },
-}
-"""Units a column may be in, by the log's own unit, and what to multiply by. An e-puck's steps per
-second are a wheel's alone."""
+__all__ = ["SCALES", "File", "Map", "Poses", "Source", "read_map", "read_mapped"]
+
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 
 
 class Source(Table):
-    """Where a column comes from."""
+    """Where a column comes from: a column of the file, or four for a yaw."""
 
-    name: Annotated[str, Field(alias="from")]
+    name: Annotated[str | None, Field(alias="from")] = None
+    quaternion: tuple[str, str, str, str] | None = None
+    """Columns x, y, z, w."""
     unit: str | None = None
     scale: Annotated[float, Field(allow_inf_nan=False)] = 1.0
     """Multiplies after the unit: -1 turns a clockwise yaw round."""
+    per_turn: Positive | None = None
+    """Ticks of a whole turn of the wheel."""
+    wraps: Positive | None = None
+    """Count, in the column's unit, after which a wheel's angle begins anew."""
+
+    @model_validator(mode="after")
+    def _one(self) -> Source:
+        """Refuse what says nothing, or two things."""
+        if self.name is None and self.quaternion is None:
+            raise Refused("from", "nothing", "a column of the file, or quaternion = [four of them]")
+        if self.quaternion is not None and (self.name is not None or self.unit is not None):
+            raise Refused("quaternion", "also from or unit", "the four columns alone")
+        if self.unit == "ticks" and self.per_turn is None:
+            raise Refused("per_turn", "nothing", "ticks of a whole turn of the wheel")
+        if self.per_turn is not None and self.unit != "ticks":
+            raise Refused("per_turn", f"{self.per_turn:g}", 'only with unit = "ticks"')
+        if self.wraps is not None and self.unit not in TURNS:
+            raise Refused("wraps", f"{self.wraps:g}", f"only with a unit of {', '.join(TURNS)}")
+        return self
 
 
 class Poses(Table):
@@ -67,11 +89,36 @@ class Poses(Table):
     t: Source | str
 
 
+class File(Table):
+    """A further file."""
+
+    file: Annotated[Path, Field(strict=False)]
+    columns: dict[str, Source | str]
+
+
 class Map(Table):
     """A whole map."""
 
     columns: dict[str, Source | str]
     poses: Poses | None = None
+    files: tuple[File, ...] = ()
+
+    def check(self, name: str) -> None:
+        """Refuse columns and units that a measured log does not have.
+
+        Args:
+            name: Of the map's file.
+
+        Raises:
+            InputError: the first of them.
+        """
+        _check(self.columns, f"{name}: columns")
+        if self.poses is not None:
+            _check({"t": self.poses.t}, f"{name}: poses")
+        for number, one in enumerate(self.files):
+            _check(one.columns, f"{name}: files.{number}.columns")
+            if "t" not in one.columns:
+                raise InputError(f"{name}: files.{number}.columns", "no t", "the file's time")
 
 
 def read_map(path: Path) -> Map:
@@ -81,93 +128,116 @@ def read_map(path: Path) -> Map:
         InputError: no such file, broken TOML, unknown keys, columns or units.
     """
     found = checked(Map, toml_values(path, "a map (TOML)", field="--map"), path, "a map")
-    for name, source in found.columns.items():
-        if name not in UNITS:
-            raise InputError(
-                f"{path.name}: columns.{name}", "an unknown column", nearest(name, UNITS)
-            )
-        _scale(name, _source(source), path)
-    if found.poses is not None:
-        _scale("t", _source(found.poses.t), path)
+    found.check(path.name)
     return found
 
 
-def read_mapped(path: Path, map_path: Path) -> pd.DataFrame:
+def read_mapped(path: Path, map_path: Path, *, drive: Drive | None = None) -> pd.DataFrame:
+    """A file as a measured-log table by a map's file; arguments and refusals as `mapped`."""
+    chosen = read_map(map_path)
+    return mapped(path, chosen, folder=map_path.parent, name=map_path.name, drive=drive)
+
+
+def mapped(
+    path: Path, chosen: Map, *, folder: Path, name: str, drive: Drive | None = None
+) -> pd.DataFrame:
     """A CSV (or Parquet) file as a measured-log table.
 
+    Args:
+        path: The file.
+        chosen: Its map.
+        folder: What further files are relative to.
+        name: Of the map, in a refusal.
+        drive: The nominal geometry, which turns speeds of a rim into a wheel's; the e-puck's if
+            absent.
+
     Raises:
-        InputError: the file or the map cannot be used, or a column is missing.
+        InputError: a file cannot be used, or a column is missing.
     """
-    chosen = read_map(map_path)
-    raw = read_table(path)
-    if chosen.poses is None:
-        return _columns(raw, chosen.columns, path, map_path).assign(
-            **({} if "robot" in chosen.columns else {"robot": 0})
-        )
-    told = {name: source for name, source in chosen.columns.items() if name not in POSE}
-    seen = {
-        name: source for name, source in chosen.columns.items() if name in (*POSE, "robot", "run")
-    }
-    pose_path = map_path.parent / chosen.poses.file
-    raw_poses = read_table(pose_path)
-    present = {n: s for n, s in seen.items() if n in POSE or _source(s).name in raw_poses}
-    poses = _columns(raw_poses, {"t": chosen.poses.t, **present}, pose_path, map_path)
-    commands = _columns(raw, told, path, map_path)
-    return _joined(commands, poses, map_path)
+    return by_map(read_table(path), chosen, path=path, folder=folder, name=name, drive=drive)
 
 
-def _joined(commands: pd.DataFrame, poses: pd.DataFrame, map_path: Path) -> pd.DataFrame:
-    """Commands and poses of each robot and run on common times."""
-    pair = next((list(p) for p in (WHEEL_COMMANDS, BODY_COMMANDS) if set(p) <= set(commands)), None)
-    if pair is None or not set(POSE) <= set(poses):
-        raise InputError(f"{map_path.name}: columns", "no pair of commands or no pose", "both")
-    if "robot" not in commands:
-        commands = commands.assign(robot=0)
-    keys = [k for k in ("run", "robot") if k in commands and k in poses]
-    groups = commands.groupby(keys) if keys else [((), commands)]
-    parts = []
-    for key, part in groups:
-        there = poses
-        for name, value in zip(keys, key if isinstance(key, tuple) else (key,), strict=True):
-            there = there[there[name] == value]
-        told, seen = latest(*series(part, "t", pair)), latest(*series(there, "t", list(POSE)))
-        if len(told[0]) < 2 or len(seen[0]) < 2:  # a robot that was never told or never seen
-            continue
-        t, held, at = join(told[0], told[1], seen[0], seen[1])
-        columns: dict[str, Any] = {
-            name: part[name].iloc[0] for name in ("run", "robot") if name in part
-        }
-        columns |= {"t": t} | dict(zip(POSE, at.T, strict=True))
-        parts.append(pd.DataFrame(columns | dict(zip(pair, held.T, strict=True))))
-    if not parts:
-        raise InputError("source", "no robot with both commands and poses", "rows of each")
-    return pd.concat(parts, ignore_index=True)
+def by_map(
+    raw: pd.DataFrame,
+    chosen: Map,
+    *,
+    path: Path,
+    folder: Path,
+    name: str,
+    drive: Drive | None = None,
+) -> pd.DataFrame:
+    """A table that was read from `path`; otherwise as `mapped`."""
+    wheels, asked = drive or Drive(), dict(chosen.columns)
+    further = [(folder / one.file, dict(one.columns)) for one in chosen.files]
+    tables = {one: read_table(one) for one in dict.fromkeys(one for one, _ in further)}
+    if chosen.poses is not None:
+        place = folder / chosen.poses.file
+        seen = tables.setdefault(place, read_table(place))
+        own = {n: asked.pop(n) for n in POSE if n in asked}
+        keys = {k: asked[k] for k in KEYS if k in asked and _source(asked[k]).name in seen}
+        further.append((place, {"t": chosen.poses.t, **own, **keys}))
+    first = _columns(raw, asked, path, wheels)
+    if not further:
+        first = with_speeds(first)
+        return first if "robot" in first else first.assign(robot=0)
+    others = [_columns(tables[place], columns, place, wheels) for place, columns in further]
+    table = merged([first, *others], f"{name}: columns")
+    return table if "robot" in table else table.assign(robot=0)
 
 
 def _columns(
-    raw: pd.DataFrame, wanted: dict[str, Source | str], path: Path, map_path: Path
+    raw: pd.DataFrame, wanted: Mapping[str, Source | str], path: Path, drive: Drive
 ) -> pd.DataFrame:
-    """The wanted columns, in SI units."""
-    result = {}
+    """The wanted columns, in SI units; angles of wheels by the names of `units.ANGLES`."""
     for name, given in wanted.items():
         source = _source(given)
-        if source.name not in raw:
-            raise InputError(
-                f"{path.name}: {name}",
-                f"no column {source.name}",
-                nearest(source.name, map(str, raw.columns)),
-            )
-        values = raw[source.name]
-        scale = _scale(name, source, map_path)
-        if scale != 1.0 or UNITS[name] not in ("", "bool"):
-            with parsing(f"{path.name}: {source.name}", "numbers"):
-                numbers = pd.to_numeric(values, errors="coerce").astype(float)
-            if len(wrong := values[numbers.isna() & values.notna()]):
-                raise InputError(f"{path.name}: {source.name}", wrong.iloc[0], "numbers")
-            with np.errstate(over="ignore"):  # infinite numbers are refused as such
-                values = numbers * scale
-        result[name] = values
+        for column in source.quaternion or (source.name,):
+            if column not in raw:
+                known = nearest(str(column), map(str, raw.columns))
+                raise InputError(f"{path.name}: {name}", f"no column {column}", known)
+    result = {}
+    keys = [_source(wanted[key]).name for key in KEYS if key in wanted]
+    for name, given in wanted.items():
+        source = _source(given)
+        turned = source.unit in TURNS and name in ANGLES
+        values = _values(raw, name, source, path, drive)
+        if source.wraps is not None and source.scale:
+            period = abs(source.wraps * _scale(name, source, drive))
+            values = _unwrapped(values, period, raw, keys)
+        result[ANGLES[name] if turned else name] = values
     return pd.DataFrame(result)
+
+
+def _values(
+    raw: pd.DataFrame, name: str, source: Source, path: Path, drive: Drive
+) -> pd.Series[float]:
+    """One column, in its SI unit."""
+    if source.quaternion is not None:
+        field = f"{path.name}: quaternion of {name}"
+        parts = [numbers(raw[one], f"{path.name}: {one}").to_numpy() for one in source.quaternion]
+        return pd.Series(heading(np.column_stack(parts), field) * source.scale, index=raw.index)
+    field = f"{path.name}: {source.name}"
+    values = raw[source.name]
+    if source.unit == ISO:
+        return iso_seconds(values, field) * source.scale
+    scale = source.scale if source.unit is None else _scale(name, source, drive)
+    if scale == 1.0 and UNITS[name] in ("", "bool"):
+        return values
+    expected = 'numbers, or unit = "iso" for dates' if name == "t" else "numbers"
+    with np.errstate(over="ignore"):  # infinite numbers are refused as such
+        return numbers(values, field, expected) * scale
+
+
+def _unwrapped(
+    angles: pd.Series[float], period: float, raw: pd.DataFrame, keys: list[str | None]
+) -> pd.Series[float]:
+    """A wheel's angles that go on where their count began anew, each robot's by itself."""
+    known = angles[np.isfinite(angles)]
+    groups = known.groupby([raw.loc[known.index, key] for key in keys]) if keys else [((), known)]
+    parts = [
+        pd.Series(np.unwrap(part.to_numpy(), period=period), index=part.index) for _, part in groups
+    ]
+    return pd.concat(parts).reindex(angles.index) if parts else angles
 
 
 def _source(given: Source | str) -> Source:
@@ -175,17 +245,19 @@ def _source(given: Source | str) -> Source:
     return given if isinstance(given, Source) else Source.model_validate({"from": given})
 
 
-def _scale(name: str, source: Source, map_path: Path) -> float:
-    """What to multiply a column by."""
-    units = SCALES.get(UNITS[name], {})
-    if name == "cmd_omega":
-        units = {unit: scale for unit, scale in units.items() if unit != "steps/s"}
-    if source.unit is None:
-        return source.scale
-    if source.unit not in units:
-        raise InputError(
-            f"{map_path.name}: columns.{name}.unit",
-            source.unit,
-            nearest(source.unit, units) if units else "no unit for this column",
-        )
-    return units[source.unit] * source.scale
+def _scale(name: str, source: Source, drive: Drive) -> float:
+    """What to multiply a column with a unit by."""
+    assert source.unit is not None
+    return units_of(name, drive)[source.unit] * source.scale / (source.per_turn or 1.0)
+
+
+def _check(columns: Mapping[str, Source | str], where: str) -> None:
+    for name, given in columns.items():
+        if name not in UNITS:
+            raise InputError(f"{where}.{name}", "an unknown column", nearest(name, UNITS))
+        source, units = _source(given), units_of(name, Drive())
+        if source.quaternion is not None and UNITS[name] != "rad":
+            raise InputError(f"{where}.{name}.quaternion", "four columns", "only for a yaw")
+        if source.unit is not None and source.unit not in units:
+            expected = nearest(source.unit, units) if units else "no unit for this column"
+            raise InputError(f"{where}.{name}.unit", source.unit, expected)

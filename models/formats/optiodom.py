@@ -2,12 +2,14 @@
 
 A session is a directory `<id>/` with `<id>.csv` (the robot's own log: wheel ticks and commands, the
 runs one after the other) and `<id>_run-NN.csv` (poses of an OptiTrack system with the ticks they
-were synchronised by). A pose row is joined to a command row through their same sequence of ticks:
-nothing is interpolated. The authors synchronised by hand: delays below a cycle mean nothing.
+were synchronised by); `<id>_run-NN_odo.csv` and `_opti.csv` beside them are not read. A pose row is
+joined to a command row through their same sequence of ticks: nothing is interpolated. The authors
+synchronised by hand: delays below a cycle mean nothing.
 """
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -54,6 +56,8 @@ def _session(directory: Path, drive: Drive) -> pd.DataFrame:
     metre = np.pi * sum(drive.wheel_radius) / TICKS_PER_TURN
     runs = []
     for path in sorted(directory.glob(f"{name}_run-*.csv")):
+        if not re.fullmatch(r"run-\d+", path.stem.removeprefix(f"{name}_")):
+            continue  # the authors' intermediate files lie beside them: _odo, _opti
         truth = read_numbers(path, 6, "the poses of a run", delimiter=",")
         rows = _match(logged, truth[:, [5, 4]], path)
         ticks = truth[:, [5, 4]] * (2 * np.pi / TICKS_PER_TURN / CYCLE)

@@ -28,6 +28,7 @@ COMMANDS = (
     "run",
     "capture",
     "import_",
+    "model",
     "gap",
     "study",
     "transfer",

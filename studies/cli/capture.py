@@ -2,23 +2,41 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
 import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import Force, Out, Quiet, Seed
 
-EXAMPLE = """Example: realitygap capture --out epuck.npz"""
+EXAMPLE = """Example: realitygap capture --from infrared.csv --out mine.npz"""
 
 
 @app.command(epilog=EXAMPLE)
 def capture(
     out: Out,
+    from_: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--from",
+            help="Curve of your own sensors (CSV): distance, incidence, counts; or bearing, light. "
+            "One of each kind at most.",
+        ),
+    ] = None,
     seed: Seed = 0,  # of the shipped table
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Put a nominal robot before wall and lamp and write the table of what its sensors read."""
+    """Put a nominal robot before wall and lamp and write the table of what its sensors read.
+
+    With --from the table is made from curves that you measured.
+    """
     from realitygap.studies.plumbing.progress import Progress
 
     with Progress("capture", 1.0, quiet) as shown:
-        rg.capture(out, seed=seed, force=force, reach=shown.reach)
+        rg.capture(
+            out, curves=from_ or (), seed=seed, force=force, reach=shown.reach, tell=shown.say
+        )
     shown.say(f"sensor tables in {out}")

@@ -50,5 +50,7 @@ def diagnose(
             begin=shown.begin,
         )
     if not quiet:
+        for note in found.content["notes"]:
+            say(note)
         say(found.sentence)
         say(f"{out / 'report.html'}: written")

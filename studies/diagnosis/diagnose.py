@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 from realitygap.embedded_sim.errors import InputError, nearest
@@ -97,7 +98,8 @@ def _examined(request: Request, log: Log, begin: Callable[[str], None]) -> Whole
         begin("senses")
         examined = with_senses(motion, measured, model.tables, senses, seed=seed)
         begin("the next experiment")
-        return with_proposal(examined, model.tables)
+        whole = with_proposal(examined, model.tables)
+    return replace(whole, diagnosis=replace(whole.diagnosis, names=measured.names))
 
 
 def _result(request: Request, log: Log, examined: WholeExamination) -> DiagnosisResult:

@@ -89,13 +89,13 @@ def write_report(
 def _found(examined: Examination) -> Section:
     """Every cause: what it means, how large, how sure, what else it could be."""
     found = examined.diagnosis
-    texts = [f"{who(one)}: {one.term.cause.meaning}." for one in found.named]
-    texts += [leftover_sentence(one) for one in found.unexplained]
+    texts = [f"{who(one, found.names)}: {one.term.cause.meaning}." for one in found.named]
+    texts += [leftover_sentence(one, found.names) for one in found.unexplained]
     rows = [
         {
             "cause": one.term.cause.name,
             "which": one.term.variant or None,
-            "robots": who(one),
+            "robots": who(one, found.names),
             "value (95 % interval)": "; ".join(value_text(v) for v in one.values),
             "error taken off, held out": f"{100 * one.evidence.share:.1f} %",
             "distance from health": f"{one.evidence.distance:.1f} s.d.",
@@ -126,7 +126,7 @@ def _would_have_shown(examined: Examination) -> Section:
         told.append(f"So that not every robot can be called sound: {untold_sentence(found)}")
     rows = [
         {
-            "robot": one.robot,
+            "robot": found.names[one.robot],
             "seconds": round(one.seconds, 1),
             **{name.replace("_", " "): f"{100 * getattr(one, name):.1f} %" for name in REASONS},
         }
@@ -174,7 +174,7 @@ def _robots(examined: Examination) -> Section:
         ]
         rows.append(
             {
-                "robot": robot,
+                "robot": found.names[robot],
                 "named": ", ".join(names) or _of_robot(robot, examined),
                 "unexplained": "; ".join(left) or None,
                 "seconds of free motion": int(windows[k]),

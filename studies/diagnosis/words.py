@@ -12,10 +12,10 @@ from realitygap.models.diagnosis import (
     Gain,
     Unexplained,
     alternatives,
-    robots_of,
 )
 from realitygap.models.identify.detectable import CORE
 from realitygap.models.identify.value import Value
+from realitygap.models.named import Names
 from realitygap.models.naming.findings import Named
 
 VERDICTS = {
@@ -41,12 +41,13 @@ def verdict_sentence(found: Diagnosis) -> str:
     unknown = [] if found.reference else [NO_REFERENCE]
     if found.verdict == "cannot_tell":
         return " ".join([f"{VERDICTS['cannot_tell']}: {untold_sentence(found)}", *unknown])
-    said = "; ".join(cause_sentence(one) for one in found.named)
+    said = "; ".join(cause_sentence(one, found.names) for one in found.named)
     begin = VERDICTS[found.verdict]
     if found.verdict == "unexplained" and not found.unexplained:
         begin = SEEN
     text = begin + (f": {said}." if said else ".")
-    return " ".join([text, *(leftover_sentence(one) for one in found.unexplained), *unknown])
+    left = [leftover_sentence(one, found.names) for one in found.unexplained]
+    return " ".join([text, *left, *unknown])
 
 
 def untold_sentence(found: Diagnosis) -> str:
@@ -58,7 +59,8 @@ def untold_sentence(found: Diagnosis) -> str:
     for names, robots in by_causes.items():
         sizes = ", ".join(f"{name} of {_core(name)}" for name in names)
         everyone = len(robots) == len(found.robots) > 1
-        said.append(f"in {'any robot' if everyone else _listed(robots)} {sizes} could be unseen")
+        where = "any robot" if everyone else _listed(robots, found.names)
+        said.append(f"in {where} {sizes} could be unseen")
     return "; ".join(said) + "."
 
 
@@ -94,13 +96,13 @@ def _amount(size: float, null: float, unit: str) -> str:
     return f"{size:.2g}" + ("" if unit in ("", "1") else f" {unit}")
 
 
-def leftover_sentence(one: Unexplained) -> str:
+def leftover_sentence(one: Unexplained, names: Names) -> str:
     """What no cause explains: who, what, following what, how much."""
-    robots = "all robots" if one.robots == "all" else _listed(one.robots)
+    robots = "all robots" if one.robots == "all" else _listed(one.robots, names)
     return f"{robots}: {one.where}; {100 * one.share:.1f} % of the squared error, cause unknown."
 
 
-def cause_sentence(named: Named) -> str:
+def cause_sentence(named: Named, names: Names) -> str:
     """One cause: name, robots, values, rivals, and why it is not exported."""
     cause = named.term.cause
     which = f" ({named.term.variant})" if named.term.variant else ""
@@ -108,17 +110,16 @@ def cause_sentence(named: Named) -> str:
     others = alternatives(named)
     rivals = f", or {' or '.join(others)}" if others else ""
     why = "" if named.exported else f" ({named.why})"
-    return f"{who(named)}: {cause.name}{which} {told}{rivals}{why}"
+    return f"{who(named, names)}: {cause.name}{which} {told}{rivals}{why}"
 
 
-def who(named: Named) -> str:
+def who(named: Named, names: Names) -> str:
     """Which robots, in words."""
-    robots = robots_of(named)
-    return "all robots" if isinstance(robots, str) else _listed(robots)
+    return "all robots" if named.whole_swarm else _listed(named.robots, names)
 
 
-def _listed(robots: Sequence[int]) -> str:
-    return ("robot " if len(robots) == 1 else "robots ") + ", ".join(str(r) for r in robots)
+def _listed(robots: Sequence[int], names: Names) -> str:
+    return ("robot " if len(robots) == 1 else "robots ") + ", ".join(names[r] for r in robots)
 
 
 def value_text(value: Value) -> str:

@@ -15,6 +15,7 @@ import pandas as pd
 
 from realitygap.embedded_sim.errors import InputError
 from realitygap.models.modelfile import ModelFile
+from realitygap.models.named import numbered
 from realitygap.models.opened import json_values, parsing
 from realitygap.models.schema import coerce
 from realitygap.reality.effects import Hidden, parse_effects
@@ -112,7 +113,8 @@ def _apart(logs: Sequence[Source], file: ModelFile) -> tuple[list[Source], list[
 def _robots(logs: Sequence[Source]) -> int:
     """How many robots a recorded run must have for the logs' robots to exist."""
     tables = [one.table() for one in logs]
-    return max((int(coerce(t)["robot"].max()) + 1 for t in tables if "robot" in t), default=ROBOTS)
+    known = [t.assign(robot=numbered(t["robot"])[0]) for t in tables if "robot" in t]
+    return max((int(coerce(t)["robot"].max()) + 1 for t in known), default=ROBOTS)
 
 
 def _check_truth(naming: Sequence[Source], hidden: Sequence[Hidden]) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from realitygap.models.extension import Extension
 from realitygap.models.modelfile import ModelFile
 from realitygap.reality.engine import DEFAULT, engine_name
 from realitygap.studies.gain.compared import compared
@@ -103,7 +104,11 @@ def measure(request: GainRequest, reach: Callable[[float], None]) -> GainResult:
     content = {
         "schema": SCHEMA,
         "extended": _provenance(models.file),
-        "held_out": {"source": source, "runs": chosen.runs, "robots": _listed(chosen.judged)},
+        "held_out": {
+            "source": source,
+            "runs": chosen.runs,
+            "robots": _listed(chosen.judged, models.file),
+        },
         "oracle": chosen.oracle,
         "healthy": "twins" if request.effects else _healthy_source(table, bool(request.healthy)),
         "errors": weigh(table, seed=request.seed),
@@ -153,8 +158,9 @@ def _healthy_source(table: pd.DataFrame, healthy: bool) -> str | None:
     return "other robots" if (table["model"] == HEALTHY).any() else None
 
 
-def _listed(robots: frozenset[int] | None) -> list[int] | str:
-    return "all" if robots is None else sorted(robots)
+def _listed(robots: frozenset[int] | None, file: ModelFile) -> list[int | str] | str:
+    names = (file.extension or Extension()).called
+    return "all" if robots is None else [names.key(robot) for robot in sorted(robots)]
 
 
 def _provenance(file: ModelFile) -> dict[str, Any]:

@@ -47,7 +47,7 @@ def replay(log: AnyLog, *, model: AnyModel = None, horizon: float | None = None)
     return pd.DataFrame(
         {
             "run": frame["run"].astype(str).to_numpy()[pairs.last],
-            "robot": frame["robot"].to_numpy()[pairs.last],
+            "robot": measured.robots[pairs.last],
             "t_start": t[pairs.first],
             "t": t[pairs.last],
             "x": predicted[:, 0],

@@ -138,14 +138,15 @@ def tidy_tables(log: MeasuredLog, gap: Gap) -> dict[str, Tidy]:
     """By name: errors by horizon, every map, every judged window, every sensor residual."""
     units = {"seconds": "s"}
     units |= {f"{c}_{q}": u for c, u in COLUMNS.items() for q in ("median", "p95", "noise")}
-    tables = {"horizons": Tidy(gap.horizons, units), "maps": Tidy(_map_table(gap), {})}
+    horizons = gap.horizons.assign(robot=gap.horizons["robot"].map(log.names.key))
+    tables = {"horizons": Tidy(horizons, units), "maps": Tidy(_map_table(gap), {})}
     parts = []
     for motion in gap.motion:
         frame = motion.table.assign(
             horizon=motion.horizon, t=log.t[motion.pairs.first], clear=motion.clear
         )
         frame["run"] = log.frame["run"].astype(str).to_numpy()[motion.pairs.first]
-        frame["robot"] = log.frame["robot"].to_numpy()[motion.pairs.first]
+        frame["robot"] = log.robots[motion.pairs.first]
         wrong = zip(UNITS, motion.error.T, strict=True)
         parts.append(frame.assign(**{f"error_{name}": column for name, column in wrong}))
     if parts:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from realitygap.embedded_sim.errors import InputError
+from realitygap.models.assumed import unlike
 from realitygap.models.log import EXPECTED, SAMPLES, MeasuredLog, make_log, read_table, write_table
 from realitygap.models.modelfile import ModelFile
 from realitygap.models.opened import opened
@@ -102,16 +103,19 @@ class Log:
     """Where it comes from."""
     model: Model
     """Whose geometry turned commands of the body into wheel speeds."""
+    guessed: str = ""
+    """The map it was read by (TOML), where that was guessed; empty: it was not."""
 
     @property
     def table(self) -> pd.DataFrame:
         """One row per moment of a robot, in SI units: the columns of the measured log."""
-        return self.measured.frame
+        return self.measured.frame.assign(robot=self.measured.robots)
 
     @property
-    def robots(self) -> tuple[int, ...]:
-        """Ids, in order."""
-        return tuple(sorted({int(robot) for robot in self.measured.segments["robot"]}))
+    def robots(self) -> tuple[int | str, ...]:
+        """Numbers, in order, or names where the log has them."""
+        numbers = sorted({int(robot) for robot in self.measured.segments["robot"]})
+        return tuple(self.measured.names.key(robot) for robot in numbers)
 
     @property
     def runs(self) -> tuple[str, ...]:
@@ -184,7 +188,13 @@ def as_log(given: AnyLog, model: AnyModel = None) -> Log:
     if isinstance(given, Log) and (model is None or model is given.model):
         return given
     chosen, single = Model.load(model), sources(given)
-    return Log(read_logs(single, chosen.file), single, chosen)
+    return Log(noticed(read_logs(single, chosen.file), chosen), single, chosen)
+
+
+def noticed(measured: MeasuredLog, chosen: Model) -> MeasuredLog:
+    """The log, with a note first if nobody asked for a model and the one assumed cannot be it."""
+    said = unlike(measured, chosen.file) if chosen.typed is None else ""
+    return replace(measured, notes=(said, *measured.notes)) if said else measured
 
 
 def read_logs(given: AnyLog, model: ModelFile) -> MeasuredLog:
@@ -214,7 +224,10 @@ def read_logs(given: AnyLog, model: ModelFile) -> MeasuredLog:
             tables[k] = table.assign(run=f"{k + 1}/" + run)
     # commands become wheel speeds as in the lab: an extension tells of the robots
     drive, fastest = model.nominal_drive, model.robot.wheel_speed_max
-    return make_log(pd.concat(tables, ignore_index=True), drive=drive, fastest=fastest)
+    called = {} if model.extension is None else model.extension.names
+    return make_log(
+        pd.concat(tables, ignore_index=True), drive=drive, fastest=fastest, known=called
+    )
 
 
 def _commands(table: pd.DataFrame) -> tuple[str, ...]:

@@ -74,15 +74,15 @@ class Model:
     def causes(self) -> pd.DataFrame:
         """What it has beyond the minimal model: a row per parameter of each cause.
 
-        Columns `cause`, `word` (such as which wheel), `robots` ("all" or a tuple of ids),
-        `parameter`, `value`, `low`, `high` (95 % interval; NaN: none), `unit`.
+        Columns `cause`, `word` (such as which wheel), `robots` ("all", or a tuple of numbers or
+        names), `parameter`, `value`, `low`, `high` (95 % interval; NaN: none), `unit`.
         """
         causes = () if self.file.extension is None else self.file.extension.causes
         rows = [
             {
                 "cause": cause.name,
                 "word": cause.word,
-                "robots": cause.robots,
+                "robots": self._called(cause.robots),
                 "parameter": name,
                 **value.model_dump(include={"value", "low", "high", "unit"}),
             }
@@ -169,6 +169,11 @@ class Model:
         """SHA-256 over its file and its tables."""
         read = "".join(entry["sha256"] for entry in self.entries())
         return hashlib.sha256(read.encode()).hexdigest()
+
+    def _called(self, robots: tuple[int, ...] | str) -> tuple[int | str, ...] | str:
+        """Robots by name, where the log that they were named from has names."""
+        names = (self.file.extension or Extension()).called
+        return robots if isinstance(robots, str) else tuple(names.key(robot) for robot in robots)
 
     @property
     def _beside(self) -> str | None:

@@ -12,7 +12,8 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from tests.fuzz.readers import MAP, READERS
+from tests.fuzz.labs import MAP
+from tests.fuzz.readers import READERS
 
 Content = Callable[[], bytes]
 

@@ -8,18 +8,18 @@ import json
 from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
 from unittest import mock
 
 import numpy as np
 import pandas as pd
 
-from realitygap.embedded_sim import Drive, InputError
-from realitygap.models.formats.mapped import read_mapped
-from realitygap.models.formats.mrclam import read_mrclam
-from realitygap.models.formats.optiodom import TICKS_PER_TURN, read_optiodom
-from realitygap.models.log import make_log, read_log
-from realitygap.models.modelfile import ROBOTS, find_model_file, read_model_file
+from realitygap.embedded_sim import InputError
+from realitygap.models.log import read_log
+from realitygap.models.modelfile import (
+    ROBOTS,
+    find_model_file,
+    read_model_file,
+)
 from realitygap.models.reference import DIRECTORY, read_reference
 from realitygap.models.senses.reference import DIRECTORY as SENSES
 from realitygap.models.senses.reference import read_sense_reference
@@ -30,29 +30,9 @@ from realitygap.studies.fitness_gap.generations import read_generations
 from realitygap.studies.gain.food import food_lines, read_transfer
 from realitygap.studies.gain.held_out import _kind
 from realitygap.studies.gain.truth import hidden_in
-from tests.models.small import arena_log, driven_log
-
-DRIVE = Drive()
-ROWS = 40
-
-
-class Reader(NamedTuple):
-    """One reader."""
-
-    read: Callable[[Any], object]
-    """Of a directory, or, without files, of a text or of words."""
-    files: Callable[[], dict[str, bytes]] = dict
-    """Sound ones."""
-    damaged: tuple[str, ...] = ()
-    """Which of them are damaged."""
-    table: str = ""
-    """Of these the one that is a table, whose columns are damaged too."""
-
-
-def table() -> pd.DataFrame:
-    """A small measured log."""
-    motion = driven_log(3, rows=ROWS, position_noise=5e-4, heading_noise=5e-3)
-    return motion.assign(case="no-light", food=False, ps0=3.0)
+from tests.fuzz.labs import LABS
+from tests.fuzz.sound import DRIVE, ROWS, Reader, as_csv, as_parquet, table
+from tests.models.small import arena_log
 
 
 def generations() -> pd.DataFrame:
@@ -74,37 +54,12 @@ def generations() -> pd.DataFrame:
     )
 
 
-def as_csv(frame: pd.DataFrame) -> bytes:
-    return frame.to_csv(index=False).encode("utf-8", "surrogatepass")
-
-
-def as_parquet(frame: pd.DataFrame) -> bytes:
-    out = io.BytesIO()
-    frame.to_parquet(out)
-    return out.getvalue()
-
-
 WRITERS: dict[str, Callable[[pd.DataFrame], bytes]] = {
     ".csv": as_csv,
     ".gz": lambda frame: gzip.compress(as_csv(frame), 1, mtime=0),
     ".parquet": as_parquet,
 }
 """A table as a file, by the end of its name."""
-
-MAP = """[columns]
-t = { from = "stamp", unit = "ms" }
-x = { from = "px", unit = "mm" }
-y = { from = "py", unit = "mm" }
-yaw = { from = "heading", unit = "deg", scale = -1 }
-cmd_left = { from = "l", unit = "rpm" }
-cmd_right = "r"
-robot = "id"
-food = "f"
-
-[poses]
-file = "poses.csv"
-t = { from = "when", unit = "ms" }
-"""
 
 EXTENSION = """
 [lamps]
@@ -137,71 +92,6 @@ def _log(name: str) -> Reader:
         (name,),
         name,
     )
-
-
-def _mapped() -> dict[str, bytes]:
-    frame = table()
-    told = frame.assign(
-        stamp=frame["t"] * 1e3, l=frame["cmd_left"], r=frame["cmd_right"], id=frame["robot"], f=True
-    )
-    seen = frame.assign(
-        when=frame["t"] * 1e3,
-        px=frame["x"] * 1e3,
-        py=frame["y"] * 1e3,
-        heading=np.degrees(frame["yaw"]),
-        id=frame["robot"],
-    )
-    return {
-        "map.toml": MAP.encode(),
-        "lab.csv": as_csv(told[["stamp", "l", "r", "id", "f"]]),
-        "poses.csv": as_csv(seen[["when", "px", "py", "heading", "id"]]),
-    }
-
-
-def _read_mapped(folder: Path) -> object:
-    return make_log(read_mapped(folder / "lab.csv", folder / "map.toml"), drive=DRIVE)
-
-
-def _mrclam() -> dict[str, bytes]:
-    frame = driven_log(3, robots=1, rows=ROWS)
-    left, right = frame["cmd_left"], frame["cmd_right"]
-    radius, axle = DRIVE.wheel_radius[0], DRIVE.axle
-    told = np.column_stack(
-        [frame["t"], radius * (left + right) / 2, radius * (right - left) / axle]
-    )
-    seen = frame[["t", "x", "y", "yaw"]].to_numpy()
-    texts = {"Odometry": told, "Groundtruth": seen}
-    return {
-        f"Robot1_{name}.dat": b"# remark\n"
-        + "\n".join("\t".join(f"{v:.5f}" for v in row) for row in rows).encode()
-        for name, rows in texts.items()
-    }
-
-
-def _optiodom() -> dict[str, bytes]:
-    rng = np.random.default_rng(np.random.SeedSequence(4))
-    ticks = rng.integers(0, 40, (ROWS, 2))
-    forward, turn = 40.0, 0.05  # a circle: ticks and rad in a cycle
-    own = [f"{k},{a},{b},0,0,0,{forward},{turn}" for k, (a, b) in enumerate(ticks)]
-    yaw = turn * np.arange(ROWS)
-    metre = np.pi * sum(DRIVE.wheel_radius) / TICKS_PER_TURN
-    x, y = forward * metre * np.cumsum([np.cos(yaw), np.sin(yaw)], axis=1)
-    seen = [
-        f"{0.05 * k:.2f},{x[k]:.6f},{y[k]:.6f},{yaw[k]:.6f},{ticks[k, 1]},{ticks[k, 0]}"
-        for k in range(5, ROWS)
-    ]
-    return {
-        "9.csv": ("Run:1\n" + "\n".join(own)).encode(),
-        "9_run-01.csv": "\n".join(seen).encode(),
-    }
-
-
-def _read_optiodom(folder: Path) -> object:
-    room = folder / "9"
-    room.mkdir(exist_ok=True)
-    for name in ("9.csv", "9_run-01.csv"):
-        (folder / name).replace(room / name)
-    return make_log(read_optiodom(folder, drive=DRIVE), drive=DRIVE)
 
 
 def _model(folder: Path) -> object:
@@ -314,20 +204,13 @@ READERS: dict[str, Reader] = {
         lambda: {"r.json": (SENSES / "epuck.json").read_bytes()},
         ("r.json",),
     ),
-    "map": Reader(_read_mapped, _mapped, ("map.toml",)),
-    "mapped csv": Reader(_read_mapped, _mapped, ("lab.csv", "poses.csv"), "lab.csv"),
-    "mrclam": Reader(
-        lambda f: make_log(read_mrclam(f), drive=DRIVE),
-        _mrclam,
-        ("Robot1_Odometry.dat", "Robot1_Groundtruth.dat"),
-    ),
-    "optiodom": Reader(_read_optiodom, _optiodom, ("9.csv", "9_run-01.csv")),
     "generations": Reader(
         lambda f: coevolution_gap(read_generations(f / "generations.parquet")),
         lambda: {"generations.parquet": as_parquet(generations())},
         ("generations.parquet",),
         "generations.parquet",
     ),
+    **LABS,
     "truth": Reader(hidden_in, _truth, ("truth.json",)),
     "run.json": Reader(_kind, _run, ("run.json",)),
     "transfer": Reader(lambda f: food_lines(read_transfer(f)), _transfer, ("transfer.json",)),
@@ -341,5 +224,5 @@ def table_of(reader: str) -> pd.DataFrame:
     if reader == "generations":
         return generations()
     if reader == "mapped csv":
-        return pd.read_csv(io.BytesIO(_mapped()["lab.csv"]))
+        return pd.read_csv(io.BytesIO(LABS["mapped csv"].files()["lab.csv"]))
     return arena_log(1, robots=2, rows=ROWS).assign(nest=True) if reader == "parquet" else table()

@@ -245,7 +245,7 @@ def test_two_robots_under_one_id_are_seen_at_equal_times_and_between_one_another
         ({"x": lambda v: v + np.inf}, "finite"),
         ({"x": lambda v: v.astype(str) + " m"}, "numbers"),
         ({"robot": lambda v: v + 0.5}, "whole numbers"),
-        ({"robot": lambda v: "r" + v.astype(str)}, "robot"),
+        ({"robot": lambda v: v + 0.5}, "robot"),
     ],
 )
 def test_a_column_that_cannot_be_a_measurement_is_refused(changes, says):

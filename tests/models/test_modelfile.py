@@ -1,3 +1,4 @@
+import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -45,7 +46,21 @@ def test_every_shipped_robot_loads_without_sensors(name):
 
 def test_the_shipped_geometries_are_the_published_ones():
     axles = {name: load_model(name, sensors="ignored").drive.axle for name in SHIPPED}
-    assert axles == {"epuck": 0.053, "optiodom": 0.2, "create": 0.258, "khepera3": 0.0885}
+    assert axles == {
+        **{"epuck": 0.053, "optiodom": 0.2, "create": 0.258, "khepera3": 0.0885},
+        **{"epuck2": 0.053, "thymio2": 0.094, "pioneer3dx": 0.33, "husky": 0.5708},
+        **{"turtlebot3_burger": 0.16, "turtlebot3_waffle": 0.287, "warthog": 1.08},
+        **{"turtlebot4": 0.233, "create3": 0.233},
+    }
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_every_figure_of_a_shipped_robot_has_its_unit_and_source(name):
+    text = find_model_file(name).read_text().split("[robot]")[1].split("[")[0]
+    lines = [line for line in text.splitlines() if "=" in line and not line.startswith(" ")]
+    assert len(lines) == 4
+    for line in lines:
+        assert re.search(r"# (m|rad/s); .{3,}|# m$", line), line
 
 
 def test_motion_of_a_model_with_missing_tables_can_be_used_but_its_sensors_cannot(tmp_path):
@@ -131,6 +146,7 @@ tables = "epuck.npz"
 [extension]
 log = "x"
 command = "y"
+names = { alice = 3 }
 [[extension.causes]]
 name = "motor_saturation"
 robots = [3]

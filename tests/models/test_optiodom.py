@@ -59,6 +59,18 @@ def test_errors_per_horizon_agree_with_an_independent_dead_reckoning(session):
         assert np.allclose(got, expected.reshape(-1, 2), rtol=0.03), name
 
 
+def test_the_authors_intermediate_files_are_not_taken_for_runs(tmp_path):
+    source = shared_data("optiodom") / SESSIONS[0]
+    room = tmp_path / source.name
+    room.mkdir()
+    for path in source.iterdir():
+        (room / path.name).write_bytes(path.read_bytes())
+    for name in ("_run-01_odo.csv", "_run-01_opti.csv", "_robot-diff.csv"):
+        (room / f"{source.name}{name}").write_text("0.1;2\n")
+    drive = load_model("optiodom", sensors="ignored").drive
+    assert read_optiodom(tmp_path, drive=drive).equals(read_optiodom(source, drive=drive))
+
+
 def test_a_directory_of_something_else_is_refused(tmp_path):
     with pytest.raises(InputError, match="run-01"):
         read_optiodom(tmp_path, drive=load_model("optiodom", sensors="ignored").drive)

@@ -183,7 +183,7 @@ def test_an_extension_does_not_change_how_fast_an_imported_robot_is_told_to_driv
         ("gap", "degrees.csv", "--out", "out"),
         ("import", "rosbag", "x", "--out", "out.csv"),
         ("import", "optiodom", "empty", "--out", "out.csv"),
-        ("import", "csv", "log.csv", "--out", "out.csv"),
+        ("import", "csv", "none.csv", "--out", "out.csv"),
         ("import", "mrclam", "empty", "--out", "out.txt"),
     ],
 )
