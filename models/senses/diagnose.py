@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from realitygap.models.held_out import parts
 from realitygap.models.identify.fitted import Values
 from realitygap.models.log import MeasuredLog
 from realitygap.models.naming.findings import Named
-from realitygap.models.schema import LS, PS
+from realitygap.models.schema import LS, POSE, PS
 from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.causes import sense_causes
 from realitygap.models.senses.detectable import detectable_in
@@ -24,8 +24,8 @@ from realitygap.models.senses.leap import far_lamps
 from realitygap.models.senses.leftover import leftover
 from realitygap.models.senses.nest import Answers, answers
 from realitygap.models.senses.reference import SenseReference, no_sense_reference
-from realitygap.models.senses.robot import TARGETS, SenseLog
-from realitygap.models.senses.sight import Rows, Sight, look
+from realitygap.models.senses.robot import LATE, TARGETS, SenseLog
+from realitygap.models.senses.sight import Rows, Sight, look, poses_as_stood
 from realitygap.models.senses.terms import Doses
 from realitygap.models.senses.unmeasured import unmeasured
 from realitygap.models.sensing import scenarios
@@ -67,6 +67,7 @@ def diagnose_senses(
     believed: Mapping[int, Belief] | None = None,
     seen: Mapping[int, tuple[Motion, Motion]] | None = None,
     moved: Mapping[int, Motion] | None = None,
+    alike: bool = True,
 ) -> SenseExamination:
     """Say what is wrong with the senses of the robots of a log.
 
@@ -77,19 +78,23 @@ def diagnose_senses(
         believed: What the simulator believes of single robots, by id.
         seen: As for `look`: robots whose markers motion has found askew.
         moved: As for `look`: robots in whose motion something was named.
+        alike: Whether the log was recorded as those of the reference were.
     """
     healthy = no_sense_reference("") if reference is None else reference
     missing = _missing(log, model, reference)
     if "nest" not in log.frame:
         missing.append("no nest: nest_moved, nest_radius")
-    told = answers(log)
     part = parts(log)
+    stood = _as_stood(log, model, seen or {})
+    told = answers(stood)
     judged = model.tables is not None and any(name in log.frame for name in (*PS, *LS))
     if not judged and told is None:
         return SenseExamination(not_checked=tuple(missing))
     sight = look(log, model, seen, moved=moved) if judged else None
-    robots = sense_log(log, model, healthy, sight, part, believed or {})
-    found = identify(robots, healthy, _believed(robots.robots, model, believed or {}))
+    robots = sense_log(stood, model, healthy, sight, part, believed or {})
+    late = {} if alike else {LATE: log.step}
+    own = _believed(robots.robots, model, believed or {})
+    found = identify(robots, healthy, own, unsure=late)
     missing += _uncrossed(found)
     missing += unmeasured(found.state.robots[0].names, found.state.items, healthy)
     return SenseExamination(
@@ -104,6 +109,16 @@ def diagnose_senses(
         answers=told,
         answers_part=np.zeros(0, dtype=np.int64) if told is None else part[told.rows],
     )
+
+
+def _as_stood(
+    log: MeasuredLog, model: PointModel, seen: Mapping[int, tuple[Motion, Motion]]
+) -> MeasuredLog:
+    """The log with the robots' own poses, out of measured ones; `seen` as for `look`."""
+    if not seen:
+        return log
+    poses = poses_as_stood(log, model, np.arange(len(log.t)), log.poses, seen)
+    return replace(log, frame=log.frame.assign(**dict(zip(POSE, poses.T, strict=True))))
 
 
 def sense_log(

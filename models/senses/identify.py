@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -49,17 +49,24 @@ class SensesFound:
 
 
 @one_thread
-def identify(log: SenseLog, reference: SenseReference, believed: Sequence[Belief]) -> SensesFound:
+def identify(
+    log: SenseLog,
+    reference: SenseReference,
+    believed: Sequence[Belief],
+    *,
+    unsure: Mapping[str, float] | None = None,
+) -> SensesFound:
     """Name what is wrong with the senses of the whole swarm, of each robot, and with the place.
 
     Args:
         log: Of at least one robot.
         reference: What healthy robots do.
         believed: Of each robot.
+        unsure: As of `State`.
     """
     base = tuple(believed)
     robots = tuple(log.at(range(len(base)), base))
-    start = State(log, base, robots, reference.learned)
+    start = State(log, base, robots, reference.learned, unsure=unsure or {})
     known = reference.knows(start.robots[0].names)
     windows = sum(one.learned for one in robots)
     gates = reference.gates.of(windows) if windows else reference.gates

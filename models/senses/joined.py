@@ -67,6 +67,7 @@ def with_senses(
         reference,
         believed=believed,
         seen=_askew(examined),
+        alike=examined.identified.alike,
         moved=_moved(examined),
     )
     named, ended, gain = sense_claims(senses, model, tables, seed=seed)
@@ -142,8 +143,12 @@ def _askew(examined: Examination) -> dict[int, tuple[Motion, Motion]]:
     askew = {}
     for k, robot in enumerate(examined.tracks.robots):
         believed = examined.model.motion(robot)
-        if robot in named or any((*believed.lever, believed.yaw_offset, believed.pose_delay)):
-            askew[robot] = (_without(found.base[k], believed), found.explained[k])
+        own = any((*believed.lever, believed.yaw_offset, believed.pose_delay))
+        if robot in named or own or not found.alike:
+            healthy = examined.reference.motion(believed)
+            # what delays all rows may be the commands', which the sensors do not wait for
+            healthy = replace(healthy, pose_delay=found.base[k].pose_delay)
+            askew[robot] = (_without(healthy, believed), found.explained[k])
     return askew
 
 

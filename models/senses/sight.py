@@ -185,7 +185,9 @@ def poses_as_stood(
 ) -> FloatArray:
     """(rows, 3) the robots' own poses at rows of a log, out of measured ones; `seen` as `look`."""
     robot = log.frame["robot"].to_numpy(dtype=np.int64)[rows]
-    return _as_stood(poses, _velocity(_commanded(log, model, rows), poses), robot, seen)
+    since = log.t[rows] - log.t[0]
+    velocity = _velocity(_commanded(log, model, rows), poses)
+    return _as_stood(poses, velocity, since, robot, seen)
 
 
 def _commanded(log: MeasuredLog, model: PointModel, rows: Rows) -> FloatArray:
@@ -213,6 +215,7 @@ def _states(log: MeasuredLog, rows: Rows) -> dict[str, FloatArray]:
 def _as_stood(
     poses: FloatArray,
     velocity: FloatArray,
+    since: FloatArray,
     robot: Rows,
     seen: Mapping[int, tuple[Motion, Motion]],
 ) -> FloatArray:
@@ -220,13 +223,16 @@ def _as_stood(
     result = poses.copy()
     for name, (healthy, found) in seen.items():
         mine = robot == name
+        result[mine, :2] *= healthy.pose_scale / found.pose_scale
         yaw = poses[mine, 2] - (found.yaw_offset - healthy.yaw_offset)
         ahead, left = (b - a for a, b in zip(healthy.lever, found.lever, strict=True))
         c, s = np.cos(yaw), np.sin(yaw)
         result[mine, 0] -= c * ahead - s * left
         result[mine, 1] -= s * ahead + c * left
         result[mine, 2] = yaw
-        result[mine] += (found.pose_delay - healthy.pose_delay) * velocity[mine]
+        late = found.pose_delay - healthy.pose_delay
+        late = late + (found.clock_rate - healthy.clock_rate) * since[mine]
+        result[mine] += late[:, None] * velocity[mine]
     return result
 
 
