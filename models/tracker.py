@@ -30,6 +30,9 @@ MOST_LOST = 0.5
 OFTEN = 0.2
 """Share of rows of motion that repeat a pose from which on poses are held. Our choice: a tracker a
 fifth slower than the log; noise of any size repeats none, a millimetre's rounding a few."""
+FROZEN = 0.98
+"""The same beyond which a robot stands still or its track does. Our choice: a tracker fifty times
+slower than the log tells nothing of motion."""
 FASTER = 4.0
 """A jump is a step this many times what the fastest command allows."""
 
@@ -122,8 +125,10 @@ def held(poses: FloatArray, moving: Flags, segment: Rows) -> Flags:
     """
     again = np.zeros(len(poses), dtype=bool)
     again[1:] = (poses[1:] == poses[:-1]).all(axis=1) & (segment[1:] == segment[:-1])
-    often = moving.any() and float(again[moving].mean()) > OFTEN
-    return again if often else np.zeros(len(poses), dtype=bool)
+    told = np.maximum(np.bincount(segment, moving), 1)
+    share = np.bincount(segment, again & moving, len(told)) / told
+    slow = (share > OFTEN) & (share < FROZEN)
+    return np.asarray(again & slow[segment])
 
 
 def _wild(poses: FloatArray, stretch: Rows, fastest: float, t: FloatArray) -> Flags:

@@ -23,6 +23,8 @@ OF_SCALE, OF_MEDIAN = 1.17, 1.2533
 square root of the number."""
 SQUARE = 0.7
 """Of a robot's radius within which a ray surely meets it."""
+LEAST_LEVEL = 1e-3
+"""Least standard error of a logarithm: a whole number of counts of a thousand is no closer."""
 TOUCHING = 0.002
 """m nearer than which a robot is not where the tracker's noise has it."""
 
@@ -110,7 +112,8 @@ def targets(sight: Sight, model: PointModel) -> Level | None:
         return None
     wide = NORMAL * float(np.median(np.abs(ratio - middle)))
     pull = np.bincount(block, np.sign(ratio - middle))
-    error = OF_MEDIAN * wide * np.sqrt(float((pull**2).sum())) / len(ratio) / middle
+    signs = max(float((pull**2).sum()), len(ratio))  # of few blocks that chance made to cancel
+    error = max(OF_MEDIAN * wide * np.sqrt(signs) / len(ratio) / middle, LEAST_LEVEL)
     return Level("targets", ("ps",), float(np.log(middle)), float(error))
 
 

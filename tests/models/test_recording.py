@@ -14,17 +14,24 @@ import pytest
 from realitygap.embedded_sim import Drive
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes import ALL, Motion
+from realitygap.models.diagnosis import Diagnosis
 from realitygap.models.identify.predict import recorded as as_recorded
 from realitygap.models.identify.recording import recording, unsure
 from realitygap.models.log import make_log, read_log
 from realitygap.models.naming.recorded import recorded
 from realitygap.models.table_files import RECORDER
-from tests.models.test_identify import HEALTHY, MODEL, diagnosed, names, reference, table, tracks
+from tests.models.test_identify import HEALTHY, MODEL, STEP, names, reference, table, tracks
+from tests.models.test_identify import diagnosed as told_of
 
 Change = Callable[[pd.DataFrame], pd.DataFrame]
 POSE = ["x", "y", "yaw"]
-STEP = 0.04
 ILL = {1: replace(HEALTHY, wheel_radius=(0.0203, 0.0207))}
+
+
+def diagnosed(frame: pd.DataFrame) -> Diagnosis:
+    """Of a log that does not say how it was recorded."""
+    frame.attrs["recorder"] = ""
+    return told_of(frame)
 
 
 def by_robot(change: Change) -> Change:
@@ -157,20 +164,17 @@ def test_what_a_merge_may_have_done_to_all_is_no_fault_of_a_swarm() -> None:
 
 
 def test_where_the_same_recorder_made_log_and_reference_it_is_one() -> None:
-    known = reference().model_copy(update={"recorder": "lab", "step": STEP})
-    frame = late(0.025)
-    frame.attrs["recorder"] = "lab"
-    found = diagnosed(frame, known)
+    found = told_of(late(0.025))
     assert [one.whole_swarm for one in found.named] == [True]
     assert found.named[0].term.cause.name in ("command_latency", "clock_offset")
 
 
 def test_a_log_that_was_thinned_afterwards_is_not_its_recorders() -> None:
-    known = reference().model_copy(update={"recorder": "lab", "step": STEP})
-    assert known.recorded_like("lab", STEP)
-    assert not known.recorded_like("lab", 2.0 * STEP)
+    known = reference()
+    assert known.recorded_like(known.recorder, STEP)
+    assert not known.recorded_like(known.recorder, 2.0 * STEP)
     assert not known.recorded_like("", STEP)
-    assert not reference().recorded_like("", STEP)
+    assert not known.model_copy(update={"recorder": ""}).recorded_like("", STEP)
 
 
 def test_a_file_says_what_recorded_it(tmp_path) -> None:  # type: ignore[no-untyped-def]

@@ -61,6 +61,7 @@ def random_windows(
         about=np.zeros((rows, 0)),
         columns=(),
         noise=PoseNoise(*noise),
+        step=0.04,
         part=np.zeros(rows, dtype=np.int64),
     )
     return tracks, predicted

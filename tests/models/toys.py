@@ -64,6 +64,7 @@ def tracks(robots: int, blocks: int, rows: int) -> Tracks:
         about=np.zeros((total, 0)),
         columns=(),
         noise=PoseNoise(1.0, 1.0),
+        step=0.04,
         part=np.zeros(total, dtype=np.int64),
     )
 
