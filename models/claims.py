@@ -32,10 +32,7 @@ from realitygap.models.replay import HORIZONS
 from realitygap.models.written import at_bound
 
 SURE = 99.0
-"""Standard deviations beyond which a distance says no more."""
-LEAST_APART = 8
-"""Windows that share no moment, of which the median must be far. Our choice: one push that nobody
-saw spoils at most two of them."""
+"""Standard deviations beyond which a distance says no more. No rule: what is told."""
 
 
 def claimed(
@@ -54,7 +51,7 @@ def claimed(
     ahead = Ahead(log, conditions(log, examined.model) if table is None else table)
     by_part = (refitted(found.fits, 0), refitted(found.fits, 1)) if inside else ({}, {})
     predictions = Predictions(ahead, examined.model, inside, by_part)
-    refused = harmless(predictions)
+    refused = harmless(predictions, tracks.rules)
     named = tuple(
         replace(one, exported=k not in refused, why=refused.get(k, ""))
         for k, one in enumerate(inside)
@@ -69,7 +66,7 @@ def claimed(
         unexplained=(*unexplained, *errors.far(named, unexplained)),
         gain=errors.gains(named, exported),
         detectable=tuple(_told(one, tracks.robots) for one in seen),
-        untold=untold(seen, tracks.robots),
+        untold=untold(seen, tracks.robots, tracks.rules),
         used=tracks.used,
     )
     return replace(examined, diagnosis=diagnosis, errors=errors.by_robot(exported))
@@ -139,6 +136,7 @@ class _Errors:
     ) -> None:
         self.predictions, self.reference, self.tracks = predictions, reference, tracks
         self.rng = rng
+        self._gate = reference.gates.under(tracks.rules).error
         self.ahead, self.model = predictions.ahead, predictions.model
         plain = self.model.model_copy(update={"extension": None})
         self._minimal = plain.motion()
@@ -213,7 +211,7 @@ class _Errors:
 
     def _far(self, robot: int) -> Unexplained | None:
         """At the horizon at which it is farthest."""
-        beyond = [one for one in self._ratios(robot) if one[0] > self.reference.gates.error]
+        beyond = [one for one in self._ratios(robot) if one[0] > self._gate]
         if not beyond:
             return None
         most, name, seen, usual = max(beyond)
@@ -241,7 +239,7 @@ class _Errors:
         found = []
         for name in KEYS:
             some = self.ahead.apart(name, robot)
-            if len(some) < LEAST_APART:
+            if len(some) < self.tracks.rules.least_apart:
                 continue
             seen, usual = float(np.median(off[name][some])), float(np.median(noise[name][some]))
             if usual > 0.0:

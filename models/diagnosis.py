@@ -16,6 +16,7 @@ from typing import Any, Literal
 from realitygap.models.extension import Extension
 from realitygap.models.naming.findings import Named
 from realitygap.models.proposal.menu import Proposal
+from realitygap.models.rules import Rules
 from realitygap.models.used import Used
 from realitygap.models.written import written
 
@@ -88,6 +89,8 @@ class Diagnosis:
     notes: tuple[str, ...] = ()
     """Repairs of the log."""
     robots: tuple[int, ...] = ()
+    rules: Rules = field(default_factory=Rules)
+    """What naming was tuned to."""
     reference: str = ""
     """What health was taken from; empty: nothing."""
     proposal: Proposal | None = None

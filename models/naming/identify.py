@@ -23,28 +23,14 @@ from realitygap.models.naming.findings import Evidence, Follows, Identified, Nam
 from realitygap.models.naming.fitter import Fitter, Refined
 from realitygap.models.naming.marginal import freed
 from realitygap.models.naming.robot import robots_of
-from realitygap.models.naming.search import PRICE, contenders, fitted_with, offers, search
+from realitygap.models.naming.search import contenders, fitted_with, offers, search
 from realitygap.models.naming.seen import away, least_seen
 from realitygap.models.naming.separable import inseparable
 from realitygap.models.naming.state import SWARM, Kept, State, refusing, with_kept
 from realitygap.models.naming.threads import one_thread
 from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates, Reference
-
-MARGIN = 6.0
-"""Deviance by which a rival must be worse: odds of 20 to 1."""
-ERRORS = 3.0
-"""Standard errors, over blocks, by which a rival must be worse."""
-CLEARLY = 0.2
-"""Of a cause's gain that a rival may not miss, however few blocks it is lost in."""
-BESIDE = 0.5
-"""Of the gain of what is unknown in a robot that a name beside it needs: what half describes the
-unknown would be named, too. Our choice."""
-AGAIN = 2
-"""Times that a log is searched again at most. Our choice."""
-MENDED = 0.05
-"""Of the named causes' gain that what follows a quantity must exceed, and that a further cause of
-the same family must take off: no model of a cause is exact."""
+from realitygap.models.rules import Rules
 
 
 class _Judged(NamedTuple):
@@ -95,7 +81,7 @@ def _of_free(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
     start = State(tracks, base, tuple(robots_of(tracks, base)), reference.learned)
     names = start.robots[0].made.names
     known = reference.knows(names)
-    gates = reference.gates.of(len(tracks.first))
+    gates = reference.gates.under(tracks.rules).of(len(tracks.first))
     state, judged, strange = _even(start, gates, known)
     found: list[Named] = []
     follows: list[Follows] = []
@@ -107,7 +93,7 @@ def _of_free(tracks: Tracks, reference: Reference, believed: Sequence[Motion]) -
         fits += [fit] if fit is not None else []
     weighed = Weighed(state)
     return Identified(
-        named=tuple(_beside(found, follows)),
+        named=tuple(_beside(found, follows, tracks.rules)),
         follows=tuple(follows),
         uneven=tuple(strange),
         base=base,
@@ -144,7 +130,7 @@ def _even(
 def _settled(state: State, gates: Gates, known: Mask) -> tuple[State, dict[int, _Judged]]:
     """The state with its causes judged, searched again where one taken early turned out to be
     superfluous: what was taken beside it answered to what it left."""
-    for again in reversed(range(AGAIN + 1)):
+    for again in reversed(range(state.rules.again + 1)):
         misled, found = False, {}
         for scope in sorted(state.kept):
             before = sum(one.item.term is not None for one in state.of(scope))
@@ -174,9 +160,9 @@ def _judged(state: State, scope: int, gates: Gates) -> tuple[State, _Judged]:
             rest = [*causes[:k], *causes[k + 1 :]]
             without = fitter.fit([o.item.of for o in rest], [o.coordinates for o in rest])
             lost = np.inf if without is None else without.square - fit.square
-            gains.append(lost - PRICE * (len(one.coordinates) - 1))
+            gains.append(lost - state.rules.price * (len(one.coordinates) - 1))
         weakest = int(np.argmin(gains))
-        if gains[weakest] >= _needed(causes, gains, weakest, gates):
+        if gains[weakest] >= _needed(causes, gains, weakest, gates, state.rules):
             fitted = iter(fit.coordinates)
             moved = [
                 one if one.item.term is None else one._replace(coordinates=next(fitted))
@@ -192,7 +178,9 @@ def _at(state: State, scope: int, kept: list[Kept]) -> State:
     return replace(state, kept={**state.kept, scope: tuple(kept)})
 
 
-def _needed(causes: Sequence[Kept], gains: Sequence[float], k: int, gates: Gates) -> float:
+def _needed(
+    causes: Sequence[Kept], gains: Sequence[float], k: int, gates: Gates, rules: Rules
+) -> float:
     """Gain that a cause needs beside the others."""
     own = causes[k].item.of.cause.family
     kin = [
@@ -200,7 +188,7 @@ def _needed(causes: Sequence[Kept], gains: Sequence[float], k: int, gates: Gates
         for one, g in zip(causes, gains, strict=True)
         if one is not causes[k] and own and one.item.of.cause.family == own
     ]
-    return max(gates.cause, MENDED * max(kin, default=0.0))
+    return max(gates.cause, rules.mended * max(kin, default=0.0))
 
 
 def _told(
@@ -208,7 +196,7 @@ def _told(
 ) -> tuple[list[Named], list[Follows], Fitted | None]:
     """Names, what follows something, and the fit behind them."""
     weighed = Weighed(state)
-    gates = reference.gates.of(len(state.tracks.first))
+    gates = reference.gates.under(state.rules).of(len(state.tracks.first))
     follows = _follows(weighed, scope, sum(judged.gains), gates)
     if not judged.terms:
         return [], follows, None
@@ -264,7 +252,7 @@ def _values(
         found[k] = np.array([threshold])
         return fitter.square(judged.terms, found)
 
-    edges = bracket(commands, float(judged.fit.coordinates[k][0]), deviance)
+    edges = bracket(commands, float(judged.fit.coordinates[k][0]), deviance, state.rules.odds)
     return (told(term.cause.parameters[0], edges.mean, edges.low, edges.high),)
 
 
@@ -277,26 +265,26 @@ def _evidence(
     known: Mask,
 ) -> Evidence:
     """What speaks for one cause, and what could stand in its place."""
-    term, gain = judged.terms[k], judged.gains[k]
+    term, gain, rules = judged.terms[k], judged.gains[k], weighed.state.rules
     fitter = Fitter(weighed, scope)
     rest = [t for t in judged.terms if t is not term]
     others = [c for t, c in zip(judged.terms, judged.fit.coordinates, strict=True) if t is not term]
     score = fitter.scores(rest, others)
     listed = [
         one
-        for one in offers(score, weighed.state.items, known)
+        for one in offers(score, weighed.state.items, known, rules)
         if one.item.term is not None
         and one.item.term.cause.name not in {t.cause.name for t in judged.terms}
     ]
     rivals, tried = [], {term.key: gain}
     losses = fitter.losses(judged.terms, judged.fit.coordinates)
-    for offer in contenders(listed, gain):
+    for offer in contenders(listed, rules, gain):
         other = offer.item.of
         fit = fitted_with(fitter, rest, others, offer)
         if fit is None:
             continue
         lost = fit.square - judged.fit.square
-        price = PRICE * (len(offer.step) - len(term.cause.parameters))
+        price = rules.price * (len(offer.step) - len(term.cause.parameters))
         tried[other.key] = gain - lost - price
         change = fitter.losses([*rest, other], fit.coordinates) - losses
         if lost + price <= _margin(change, weighed.state.tracks, scope, gain):
@@ -316,10 +304,11 @@ def _evidence(
 
 def _margin(change: FloatArray, tracks: Tracks, scope: int, gain: float) -> float:
     """Deviance by which a rival may be worse, given (windows,) by how much each window is."""
+    rules = tracks.rules
     some = tracks if scope == SWARM else tracks.only([scope])
     by_block = np.bincount(some.block, change)
     error = float(np.sqrt(np.sum((by_block - by_block.mean()) ** 2)))
-    return max(MARGIN, min(ERRORS * error, CLEARLY * gain))
+    return max(rules.odds, min(rules.errors * error, rules.clearly * gain))
 
 
 def _given(term: Term, healthy: Motion) -> tuple[Value, ...]:
@@ -342,7 +331,7 @@ def _follows(weighed: Weighed, scope: int, named: float, gates: Gates) -> list[F
         at = list(item.columns)
         own, pull = score.information[np.ix_(at, at)], score.slope[at]
         gain = float(pull @ np.linalg.lstsq(own, pull, rcond=None)[0])
-        if gain <= max(gates.flexible, MENDED * named):
+        if gain <= max(gates.flexible, state.rules.mended * named):
             continue
         found.append(
             Follows(
@@ -358,7 +347,7 @@ def _follows(weighed: Weighed, scope: int, named: float, gates: Gates) -> list[F
     return found
 
 
-def _beside(named: list[Named], follows: list[Follows]) -> list[Named]:
+def _beside(named: list[Named], follows: list[Follows], rules: Rules) -> list[Named]:
     """Names that are not much weaker than something unknown in their robots.
 
     What a whole swarm shares may be in one robot more than in others, up to all of it.
@@ -370,5 +359,5 @@ def _beside(named: list[Named], follows: list[Follows]) -> list[Named]:
     return [
         one
         for one in named
-        if one.evidence.gain > BESIDE * max(unknown.get(robot, 0.0) for robot in one.robots)
+        if one.evidence.gain > rules.beside * max(unknown.get(robot, 0.0) for robot in one.robots)
     ]

@@ -20,11 +20,13 @@ from realitygap.models.naming.state import SWARM, State
 from realitygap.models.naming.threads import one_thread
 from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Column, Gates, Reference
+from realitygap.models.rules import Rules
 
 STARTS = ((0.0, 0.0, -0.005, 0.009, -0.2, 0.0), (0.0, 0.0, 0.02, 0.05, -0.5, 0.0))
-"""Coordinates from which the inherent motion is fitted: motors of several kinds."""
+"""Coordinates from which the inherent motion is fitted: motors of several kinds. No rule: where
+iterations begin."""
 ROUNDS = 2
-"""Times the noise is learned anew at the inherent motion found."""
+"""Times the noise is learned anew at the inherent motion found. No rule: a limit of iterations."""
 
 
 @one_thread
@@ -66,7 +68,13 @@ def told_of(tracks: Tracks, motion: Motion) -> Told:
 
 
 def make_reference(
-    swarms: Sequence[Told], inherent: FloatArray, *, model: str, drive: Drive, command: str
+    swarms: Sequence[Told],
+    inherent: FloatArray,
+    *,
+    model: str,
+    drive: Drive,
+    command: str,
+    rules: Rules = Rules(),
 ) -> Reference:
     """Put healthy swarms together.
 
@@ -76,13 +84,13 @@ def make_reference(
         model: The model's name.
         drive: The model's.
         command: What the user typed, for the record.
+        rules: What naming is tuned to.
     """
-    learned = healthy(swarms)
+    learned = healthy(swarms, rules)
     sd = np.sqrt(np.diag(learned.covariance))
     causes = [k for k, name in enumerate(learned.names) if "." in name and sd[k] > 0.0]
     block = learned.covariance[np.ix_(causes, causes)] / sd[causes][:, None] / sd[causes]
-    cause, flexible = farthest(learned, swarms)
-    gates = Gates()
+    cause, flexible = farthest(learned, swarms, rules)
     return Reference(
         model=model,
         wheel_radius=float(np.mean(drive.wheel_radius)),
@@ -97,8 +105,8 @@ def make_reference(
         causes=tuple(learned.names[k] for k in causes),
         correlation=tuple(tuple(float(v) for v in row) for row in block),
         gates=Gates(
-            cause=max(gates.cause, gates.margin * cause),
-            flexible=max(gates.flexible, gates.margin * flexible),
+            cause=max(rules.cause_gate, rules.gate_margin * cause),
+            flexible=max(rules.flexible_gate, rules.gate_margin * flexible),
         ),
         command=command,
     )

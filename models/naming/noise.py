@@ -18,24 +18,19 @@ import numpy as np
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.tracks import Tracks
 from realitygap.models.naming.columns import FREE, Columns
+from realitygap.models.rules import Rules
 
 ROUNDS = 6
-"""Of expectation-maximisation; our choice. Variances of windows that have something of their own
-are then within a few per cent; where they have nothing they still fall, far below the rows'
-noise."""
+"""Of expectation-maximisation. No rule, as all numbers here: where iterations begin and end.
+Variances of windows that have something of their own are then within a few per cent; where they
+have nothing they still fall, far below the rows' noise."""
 RIDGE = 10.0
 """Information that every column is taken to have beforehand, columns scaled to rms 1 noise: as good
 as none, and enough where a column is empty."""
-ROW_NU = 5.0
-"""Degrees of freedom of rows: one to four per cent of a real tracker's poses are wild."""
-WINDOW_NU = 3.0
-"""Degrees of freedom of windows, whose differences have longer tails: a push, a bump."""
 BEGIN = 0.3
 """rms noise: window effects begin there. Our choice, above what any log at hand ends at."""
 WIDE = 1e8
 """Variance, of columns scaled to rms 1 noise, that is as good as none at all."""
-LEAST_SCALE = 0.3
-"""Of the tracker's noise, least that rows' errors are taken to have."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,6 +140,7 @@ def learn(tracks: Sequence[Tracks], made: Sequence[Columns]) -> list[Noise]:
         tracks: Of one robot each.
         made: Their columns.
     """
+    rules = tracks[0].rules
     rows = sum(len(one.errors) for one in made)
     size = np.sqrt(sum((one.windows**2).sum(axis=(0, 1)) for one in made) / (3 * rows)) + 1e-12
     linear = [one.values[:, :, one.linear] for one in made]
@@ -160,18 +156,19 @@ def learn(tracks: Sequence[Tracks], made: Sequence[Columns]) -> list[Noise]:
             square = found.square[:, FREE:]
             many = square.shape[1]
             far = (square / spread[FREE:] ** 2).sum(axis=1)
-            one.window = (WINDOW_NU + many) / (WINDOW_NU + far)
+            one.window = (rules.window_freedom + many) / (rules.window_freedom + far)
             total += (one.window[:, None] * square).sum(axis=0)
             count += len(square)
-            one.weight = _weights(found.rows)
+            one.weight = _weights(found.rows, rules)
         spread[FREE:] = np.sqrt(total / count) + 1e-6
     return [Noise(one.weight, one.window, spread / size) for one in robots]
 
 
-def _weights(square: FloatArray) -> FloatArray:
+def _weights(square: FloatArray, rules: Rules) -> FloatArray:
     """(n, 3) weights of rows with Student-t errors of one scale per axis, squares (n, 3)."""
-    scale = np.maximum(np.median(square, axis=0) / 0.455, LEAST_SCALE**2)
+    least, freedom = rules.least_scale**2, rules.row_freedom
+    scale = np.maximum(np.median(square, axis=0) / 0.455, least)
     for _ in range(4):
-        t = (ROW_NU + 1.0) / (ROW_NU + square / scale)
-        scale = np.maximum((t * square).mean(axis=0), LEAST_SCALE**2)
-    return np.asarray((ROW_NU + 1.0) / (ROW_NU + square / scale) / scale)
+        t = (freedom + 1.0) / (freedom + square / scale)
+        scale = np.maximum((t * square).mean(axis=0), least)
+    return np.asarray((freedom + 1.0) / (freedom + square / scale) / scale)

@@ -16,29 +16,7 @@ from realitygap.models.naming.marginal import EMPTY, Score, freed
 from realitygap.models.naming.state import SWARM, Kept, State, refusing, with_kept
 from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates
-
-MOST = 4
-"""Items kept in one scope; more are not told apart in two minutes."""
-LEAST_SWARM = 3
-"""Robots that make a swarm: of two, neither says which one differs."""
-DEVIANTS = 0.2
-"""Most of the robots that a shared item may leave worse off."""
-CONTENDERS = 5
-"""Causes fitted in earnest for one place."""
-WORTH = 0.3
-"""Of the largest linear gain that a contender must promise."""
-DOSE = 0.3
-"""Least multiple of a whole dose: a small share of one is no such cause."""
-PRICE = 4.0
-"""Deviance that each further parameter must take off: twice what one without a meaning does."""
-BETTER = 12.0
-"""Deviance by which something plain must do better than a cause to stand in its place."""
-ALMOST = 0.06
-"""Of a cause's gain by which the same: no model of a cause is exact,"""
-ROUGH = 0.1
-"""and those of transients are rough."""
-LEFT = 0.25
-"""Of a cause's gain, most that it may still take off beside the plain."""
+from realitygap.models.rules import Rules
 
 
 class Offer(NamedTuple):
@@ -49,7 +27,7 @@ class Offer(NamedTuple):
     step: FloatArray
 
 
-def offers(score: Score, items: Sequence[Item], known: Mask) -> list[Offer]:
+def offers(score: Score, items: Sequence[Item], known: Mask, rules: Rules) -> list[Offer]:
     """What every item promises, best first."""
     found = []
     for item in items:
@@ -64,7 +42,7 @@ def offers(score: Score, items: Sequence[Item], known: Mask) -> list[Offer]:
         except np.linalg.LinAlgError:
             continue
         gain = float(step @ pull)
-        if item.dose is not None and step[0] < DOSE:
+        if item.dose is not None and step[0] < rules.least_dose:
             continue
         if item.term is not None:
             if item.dose is not None and not item.term.cause.smooth:
@@ -73,7 +51,7 @@ def offers(score: Score, items: Sequence[Item], known: Mask) -> list[Offer]:
                 sign = np.array([p.sign for p in item.term.cause.parameters])
                 if (sign * step < 0.0).any():
                     continue
-        found.append(Offer(gain - PRICE * (len(at) - 1), item, np.asarray(step)))
+        found.append(Offer(gain - rules.price * (len(at) - 1), item, np.asarray(step)))
     return sorted(found, key=lambda one: -one.gain)
 
 
@@ -95,16 +73,16 @@ def search(state: State, gates: Gates, known: Mask) -> State:
 
 def _scope(weighed: Weighed, gates: Gates, known: Mask) -> tuple[int, list[Offer]] | None:
     """Where the most conspicuous thing is, and what it may be."""
-    state = weighed.state
+    state, rules = weighed.state, weighed.state.rules
     count = len(state.robots)
     best: tuple[int, list[Offer]] | None = None
-    for scope in ([SWARM] if count >= LEAST_SWARM else []) + list(range(count)):
-        if len(state.of(scope)) >= MOST:
+    for scope in ([SWARM] if count >= rules.least_swarm else []) + list(range(count)):
+        if len(state.of(scope)) >= rules.most_items:
             continue
         taken = {_name(one.item) for one in state.of(scope)}
         listed = [
             one
-            for one in offers(weighed.score(scope), state.items, known)
+            for one in offers(weighed.score(scope), state.items, known, rules)
             if one.gain > (gates.flexible if one.item.term is None else gates.cause)
             and _name(one.item) not in taken
             and (scope, one.item.key) not in state.refused
@@ -126,29 +104,29 @@ def _common(weighed: Weighed, one: Offer) -> bool:
     for score in weighed.alone:
         own = score.information[np.ix_(at, at)]
         gains.append(2.0 * one.step @ score.slope[at] - one.step @ own @ one.step)
-    return float(np.mean(np.array(gains) > 0.0)) >= 1.0 - DEVIANTS
+    return float(np.mean(np.array(gains) > 0.0)) >= 1.0 - weighed.state.rules.deviants
 
 
 def _chosen(weighed: Weighed, scope: int, listed: list[Offer], gates: Gates) -> list[Kept] | None:
     """What is kept in a scope with the best of what is offered; None: nothing stands."""
-    state = weighed.state
+    state, rules = weighed.state, weighed.state.rules
     before = state.of(scope)
     fitter = Fitter(weighed, scope)
     terms = [one.item.term for one in before if one.item.term is not None]
     start = [one.coordinates for one in before if one.item.term is not None]
     now = fitter.square(terms, start)
     tried = []
-    for offer in contenders(listed):
+    for offer in contenders(listed, rules):
         fit = fitted_with(fitter, terms, start, offer)
         if fit is None:
             continue
-        gain = now - fit.square - PRICE * (len(offer.step) - 1)
+        gain = now - fit.square - rules.price * (len(offer.step) - 1)
         tried.append((gain, offer, fit))
     plains = [one for one in listed if one.item.term is None]
     tried.sort(key=lambda one: -one[0])
     if tried and tried[0][0] > gates.cause:
         gain, offer, fit = tried[0]
-        better = _replacing(weighed.score(scope), offer, gain, plains)
+        better = _replacing(weighed.score(scope), offer, gain, plains, rules)
         if better is not None:
             return [*before, Kept(better, np.zeros(0))]
         rest = iter(fit.coordinates)
@@ -160,20 +138,21 @@ def _chosen(weighed: Weighed, scope: int, listed: list[Offer], gates: Gates) -> 
     return [*before, Kept(plains[0].item, np.zeros(0))] if plains else None
 
 
-def contenders(listed: Sequence[Offer], most: float = 0.0) -> list[Offer]:
+def contenders(listed: Sequence[Offer], rules: Rules, most: float = 0.0) -> list[Offer]:
     """The causes worth a fit, each from where it promises most.
 
     Args:
         listed: Best first.
+        rules: How many, and how much worse than the best.
         most: Gain that they are measured by; 0: the best of theirs.
     """
     seen: dict[Term, Offer] = {}
     most = most or max((one.gain for one in listed if one.item.term is not None), default=0.0)
     for one in listed:
         term = one.item.term
-        if term is not None and term not in seen and one.gain >= WORTH * most:
+        if term is not None and term not in seen and one.gain >= rules.worth * most:
             seen[term] = one
-    return list(seen.values())[:CONTENDERS]
+    return list(seen.values())[: rules.contenders]
 
 
 def fitted_with(
@@ -198,21 +177,23 @@ def _wrong_sign(term: Term, coordinates: FloatArray) -> bool:
     return bool((np.array([p.sign for p in term.cause.parameters]) * coordinates < 0.0).any())
 
 
-def _replacing(score: Score, offer: Offer, gain: float, plains: Sequence[Offer]) -> Item | None:
+def _replacing(
+    score: Score, offer: Offer, gain: float, plains: Sequence[Offer], rules: Rules
+) -> Item | None:
     """What follows a quantity, does better than a cause and leaves it little; None: nothing.
 
     What follows a quantity also has a mean, which a cause would take for its own: its channel's
     steady change is given beside.
     """
-    rough = ROUGH if offer.item.of.cause.feigns else ALMOST
-    best, most = None, gain + max(BETTER, rough * gain)
+    rough = rules.rough if offer.item.of.cause.feigns else rules.almost
+    best, most = None, gain + max(rules.better, rough * gain)
     at = list(offer.item.columns)
     for one in plains:
         item = one.item._replace(columns=(*one.item.columns, one.item.always))
         rest = freed(score, np.array(item.columns))
-        told = score.square - rest.square - PRICE * (len(item.columns) - 1)
+        told = score.square - rest.square - rules.price * (len(item.columns) - 1)
         own, pull = rest.information[np.ix_(at, at)], rest.slope[at]
         left = float(pull @ np.linalg.lstsq(own, pull, rcond=None)[0])
-        if told > most and left < LEFT * gain:
+        if told > most and left < rules.left * gain:
             best, most = item, told
     return best

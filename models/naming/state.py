@@ -12,6 +12,7 @@ from realitygap.models.identify.tracks import Tracks
 from realitygap.models.naming.columns import Item
 from realitygap.models.naming.health import Health
 from realitygap.models.naming.robot import Robot, moved
+from realitygap.models.rules import Rules
 
 SWARM = -1
 """Scope of what all robots share; others are indices of robots."""
@@ -39,6 +40,10 @@ class State:
     """By scope."""
     refused: frozenset[tuple[int, str]] = frozenset()
     """Scopes with keys of items that are not kept there."""
+
+    @property
+    def rules(self) -> Rules:
+        return self.tracks.rules
 
     @property
     def items(self) -> tuple[Item, ...]:

@@ -27,7 +27,7 @@ class Weighed:
     def __init__(self, state: State) -> None:
         self.state = state
         names = state.robots[0].made.names
-        self.prior, self._shared = state.health.on(names)
+        self.prior, self._shared = state.health.on(names, state.rules)
         self.alone = [self._alone(k) for k in range(len(state.robots))]
         self.free = self._columns(SWARM)
         self.spread = self._spread(self.free)

@@ -9,6 +9,7 @@ import numpy as np
 from realitygap.embedded_sim import CONTROL_STEP, SCENARIOS, SENSORS, PointModel
 from realitygap.models.naming.findings import Named
 from realitygap.models.proposal.menu import Flight, Proposal, distance, flights, ranked
+from realitygap.models.rules import Rules
 from realitygap.models.senses import nest
 from realitygap.models.senses.cause import SenseCause
 from realitygap.models.senses.diagnose import SenseExamination
@@ -20,22 +21,22 @@ from realitygap.models.senses.problem import SWARM, Fit, Problem, Term
 from realitygap.models.senses.sight import BLOCK_SECONDS, Sight, lamp_in_sight
 
 STRIDE = 5
-"""Control steps from one row looked at to the next."""
+"""Control steps from one row looked at to the next. No rule: it bounds the work."""
 DARK = SCENARIOS.index("none")
-OF_ROBOTS = 0.25
-"""Relative standard deviation of one infrared reading of another robot about the table's: noise
-(0.14) and the edge of a round body."""
 ONLY_ROBOTS_TELL = {"ir_gain", "wall_albedo"}
 """Causes that readings of the wall cannot separate."""
 
 
-def propose(senses: SenseExamination, named: Named, model: PointModel) -> Proposal | None:
+def propose(
+    senses: SenseExamination, named: Named, model: PointModel, rules: Rules
+) -> Proposal | None:
     """The manoeuvres that separate an ambiguous cause from its rivals; None: none can be flown.
 
     Args:
         senses: The log's.
         named: One of its causes in the senses, with alternatives.
         model: What is believed, with sensor tables where sensors were judged.
+        rules: What naming is tuned to.
     """
     rivals = tuple(named.evidence.rivals)
     separates = (named.term.cause.name, *dict.fromkeys(t.cause.name for t in rivals))
@@ -49,7 +50,9 @@ def propose(senses: SenseExamination, named: Named, model: PointModel) -> Propos
             return None
         else:
             own, fits = prepared
-            far = [_apart(senses, flight, model, own, fit, named, rival) for fit, rival in fits]
+            far = [
+                _apart(senses, flight, model, own, fit, named, rival, rules) for fit, rival in fits
+            ]
         separations[flight.probe.name] = far
     return Proposal(separates=separates, options=ranked(separations)) if separations else None
 
@@ -87,6 +90,7 @@ def _apart(
     rival: Fit,
     named: Named,
     name: str,
+    rules: Rules,
 ) -> float:
     """Separation in readings, the smaller of either being true."""
     assert senses.problem is not None
@@ -95,7 +99,7 @@ def _apart(
     if {named.term.cause.name, name} == ONLY_ROBOTS_TELL:
         size = abs(float(named.evidence.coordinates[0]))
         number = _seen_of_robots(sight, model)
-        return float(size * np.sqrt(number) / OF_ROBOTS)
+        return float(size * np.sqrt(number) / rules.of_robots)
     found = []
     for truth, asked in ((own, rival), (rival, own)):
         beliefs = senses.problem.beliefs(truth.terms, truth.coordinates)

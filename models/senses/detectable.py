@@ -14,12 +14,16 @@ import numpy as np
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes.withheld import withheld
 from realitygap.models.diagnosis import Detectable
-from realitygap.models.identify.detectable import SURELY, rare
+from realitygap.models.identify.detectable import rare
+from realitygap.models.rules import Rules
 from realitygap.models.senses.causes import sense_causes
 from realitygap.models.senses.glance import FITTED, NO_COMMANDS, Promise
 from realitygap.models.senses.problem import SWARM, Fit, Term
 from realitygap.models.senses.reference import SenseReference
 from realitygap.models.senses.sight import Sight
+
+SURELY = Rules().surely
+"""As shipped: the old selection of the senses goes by no other rules."""
 
 
 def detectable_in(

@@ -12,9 +12,11 @@ import pytest
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.tracks import Tracks
 from realitygap.models.naming.columns import FREE
-from realitygap.models.naming.noise import BEGIN, ROW_NU, WIDE, WINDOW_NU, Noise, Whitener, learn
+from realitygap.models.naming.noise import BEGIN, WIDE, Noise, Whitener, learn
+from realitygap.models.rules import Rules
 from tests.models.toys import tracks
 
+RULES = Rules()
 LENGTHS = (12, 5, 9)
 """Rows of windows that are of unlike length."""
 
@@ -75,13 +77,13 @@ def simulated(
     cut = tracks(1, WINDOWS // 5, 5 * ROWS)
     n = len(cut.rows)
     z = random.normal(size=(n, 3, FREE + len(spread)))
-    far = np.sqrt(random.chisquare(WINDOW_NU, WINDOWS) / WINDOW_NU)
+    far = np.sqrt(random.chisquare(RULES.window_freedom, WINDOWS) / RULES.window_freedom)
     own = random.normal(size=(WINDOWS, len(spread))) * spread / far[:, None]
     free = 30.0 * random.normal(size=(WINDOWS, FREE))
     effects = np.hstack([free, own])[cut.window]
     x = random.normal(size=(n, 3, 1)) + z[:, :, [FREE]]
     errors = np.einsum("ncq,nq->nc", z, effects) + cause * x[:, :, 0]
-    errors += noise * random.standard_t(ROW_NU, (n, 3))
+    errors += noise * random.standard_t(RULES.row_freedom, (n, 3))
     return cut, SimpleNamespace(errors=errors, values=x, windows=z, linear=np.array([0]))
 
 

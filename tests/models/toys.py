@@ -17,9 +17,9 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes import Cause, Motion, Parameter
 from realitygap.models.identify.fit import Problem as MotionProblem
 from realitygap.models.identify.hypothesis import Term as MotionTerm
-from realitygap.models.identify.residual import DEGREES as MOTION_DEGREES
 from realitygap.models.identify.tracks import BLOCK_WINDOWS, Tracks
 from realitygap.models.noise import PoseNoise
+from realitygap.models.rules import Rules
 from realitygap.models.senses.cause import SenseCause
 from realitygap.models.senses.problem import DEGREES as SENSE_DEGREES
 from realitygap.models.senses.problem import FOLDS as SENSE_FOLDS
@@ -27,6 +27,7 @@ from realitygap.models.senses.problem import Problem as SenseProblem
 from realitygap.models.senses.problem import Term as SenseTerm
 from realitygap.models.senses.sight import Rows
 
+MOTION_DEGREES = Rules().row_freedom
 WIDE = 1e6
 """Bounds that no toy reaches."""
 
