@@ -125,7 +125,7 @@ class Rules:
         5.0,
         "s.d.",
         "at which the spread of few robots is made as rarely passed as that of many",
-        "derived: about the square root of `cause_gate`",
+        CHOSEN,
         some=True,
     )
     cause_gate: float = _rule(
@@ -133,7 +133,7 @@ class Rules:
         DEVIANCE,
         "beyond health for a name: 5.5 standard deviations. A reference whose healthy robots go "
         "farther has a higher gate",
-        "measured: the farthest of 400 healthy robots stays below it by `gate_margin` "
+        "our choice; the farthest of 400 healthy robots stays below it by `gate_margin` "
         "(`reference --runs 40 --seed 11`)",
     )
     flexible_gate: float = _rule(
@@ -141,7 +141,7 @@ class Rules:
         DEVIANCE,
         "the same of what follows a quantity: 6.3 standard deviations, for nothing physical bounds "
         "these terms and their tails are not normal",
-        "measured: as `cause_gate`",
+        "our choice; as of `cause_gate`",
     )
     error_gate: float = _rule(
         5.0,
@@ -182,7 +182,7 @@ class Rules:
         12.0,
         DEVIANCE,
         "by which what follows a quantity must do better than a cause to stand in its place",
-        "derived: twice `odds`",
+        "our choice: twice `odds`",
     )
     almost: float = _rule(
         0.06, SHARE, "of a cause's gain, by which the same: no model of a cause is exact", CHOSEN
@@ -214,7 +214,7 @@ class Rules:
         3.0,
         "s.e.",
         "over blocks, by which one explanation is told from another, and wild windows from chance",
-        "derived: 1 in 700 of a normal variable",
+        "our choice: 1 in 700 of a normal variable",
     )
     clearly: float = _rule(
         0.2,
@@ -226,7 +226,8 @@ class Rules:
         20.0,
         "times",
         "a term's variance, at which another may stand in its place: a correlation of 0.975",
-        "measured: runs of two minutes that wander have 4 at most, real robots' circles 29",
+        "our choice, between 4 at most of runs of two minutes that wander and 29 of real robots' "
+        "circles",
     )
     chance: float = _rule(
         1e-4,
@@ -317,7 +318,7 @@ class Rules:
         8.0,
         "s.d.",
         "between rivals that a proposed manoeuvre must promise",
-        "derived: a deviance of ten times `odds`, for blocks differ more than noise says",
+        "our choice: a deviance of ten times `odds`, for blocks differ more than noise says",
     )
     of_robots: float = _rule(
         0.25,

@@ -16,11 +16,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from realitygap.embedded_sim.errors import Diverged, InputError
+    from realitygap.models.rules import Rules
     from realitygap.studies import study
     from realitygap.studies.blind.battery import blind
     from realitygap.studies.demo.demo import demo
     from realitygap.studies.diagnosis.diagnose import diagnose
     from realitygap.studies.diagnosis.result import DiagnosisResult
+    from realitygap.studies.diagnosis.rules import rules
     from realitygap.studies.gain.measure import GainFailed, gain
     from realitygap.studies.gain.result import GainResult
     from realitygap.studies.gap.measure import GapResult, measure_gap
@@ -44,6 +46,7 @@ _WHERE = {
     "InputError": "embedded_sim.errors",
     "Log": "studies.inputs.logs",
     "Model": "studies.inputs.model",
+    "Rules": "models.rules",
     "RunResult": "studies.run.simulate",
     "StudyResult": "studies.study",
     "Unfinished": "studies.plumbing.execution",
@@ -59,6 +62,7 @@ _WHERE = {
     "measure_health": "studies.health.reference",
     "read_log": "studies.inputs.imported",
     "replay": "studies.gap.replay",
+    "rules": "studies.diagnosis.rules",
     "simulate": "studies.run.simulate",
     "study": "studies",
 }
@@ -73,6 +77,7 @@ __all__ = [
     "InputError",
     "Log",
     "Model",
+    "Rules",
     "RunResult",
     "StudyResult",
     "Unfinished",
@@ -88,6 +93,7 @@ __all__ = [
     "measure_health",
     "read_log",
     "replay",
+    "rules",
     "simulate",
     "study",
 ]

@@ -24,7 +24,8 @@ from realitygap.models.information import inverted
 from realitygap.models.tracker import NORMAL
 
 ITERATIONS = 15
-"""Gauss-Newton steps of a fit at most; all numbers here are tolerances and limits of iterations."""
+"""Gauss-Newton steps of a fit at most. No rule, as all numbers here: tolerances and limits of
+iterations."""
 CONVERGED = 3e-2
 """Drop of deviance, promised by a further step, at which a robot's fit has ended."""
 HOPE = 5.0

@@ -13,7 +13,7 @@ from realitygap.models.causes import Motion
 from realitygap.models.identify.tracks import AROUND, Rows, Tracks
 
 REGULAR = 1e-6
-"""Relative deviation from an even rate that written times may have."""
+"""Relative deviation from an even rate that written times may have. No rule: rounding."""
 
 
 def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:

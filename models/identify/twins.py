@@ -24,8 +24,8 @@ from realitygap.models.tracker import NORMAL
 BLOCK_SECONDS = 5.0
 """No rule: blocks are of five seconds everywhere."""
 TICK = 2.0 * np.pi / 1000.0
-"""rad; encoders are never taken to be finer than an e-puck's 1000 steps a turn
-(its data sheet)."""
+"""rad; encoders are never taken to be finer than an e-puck's 1000 steps a turn.
+No rule: of its data sheet."""
 
 
 class Twins(NamedTuple):

@@ -37,7 +37,7 @@ from realitygap.models.naming.flexible import (
 WINDOW_EFFECTS = ("speed", "bend", "turn_rate", "aside")
 """Channels in which every window may differ by itself, beside its clock and its lag."""
 FREE = 3
-"""Window effects that are free: place (two) and heading of the window."""
+"""Window effects that are free: place (two) and heading of the window. No rule: what they are."""
 CLOCKS = ("clock_offset", "command_latency")
 LAGS = ("motor_lag",)
 

@@ -15,7 +15,7 @@ from realitygap.models.naming.robot import Robot, moved
 from realitygap.models.rules import Rules
 
 SWARM = -1
-"""Scope of what all robots share; others are indices of robots."""
+"""Scope of what all robots share; others are indices of robots. No rule: a name."""
 
 
 class Kept(NamedTuple):

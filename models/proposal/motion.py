@@ -23,7 +23,7 @@ from realitygap.models.proposal.menu import Flight, Proposal, distance, flights,
 from realitygap.models.schema import ENCODERS
 
 ENCODER_NOISE = TICK / CONTROL_STEP / np.sqrt(6.0)
-"""rad/s; a speed is the difference of two rounded angles."""
+"""rad/s; a speed is the difference of two rounded angles. No rule: of the sensor."""
 
 
 OPEN = 10.0

@@ -35,6 +35,7 @@ COMMANDS = (
     "diagnose",
     "gain",
     "effects",
+    "rules",
     "blind",
     "measure",
 )
