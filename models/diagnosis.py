@@ -21,6 +21,7 @@ from realitygap.models.used import Used
 from realitygap.models.written import written
 
 SCHEMA = 2
+"""Of `diagnosis.json`. No rule."""
 Verdict = Literal["named", "nothing_wrong", "cannot_tell", "unexplained", "ambiguous"]
 
 

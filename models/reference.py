@@ -30,6 +30,7 @@ from realitygap.models.rules import Rules
 
 DIRECTORY = Path(__file__).parent / "references"
 SCHEMA = 2
+"""Of the file. No rule."""
 
 
 class Column(Finite):

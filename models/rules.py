@@ -270,7 +270,7 @@ class Rules:
         "our choice; healthy runs have none",
     )
     wild_blocks: int = _rule(
-        6, "blocks", "that a part must have: fewer do not tell their own spread", CHOSEN
+        6, "blocks", "that a part must have: fewer do not tell their own spread", CHOSEN, some=True
     )
     # what may be claimed
     surely: float = _rule(

@@ -16,14 +16,22 @@ from realitygap.models.rules import Rules, listed
 from tests.helpers import ROOT
 
 FOLDERS = ("models/naming/", "models/identify/", "models/proposal/")
-FILES = ("models/claims.py", "models/harm.py")
+FILES = (
+    "models/claims.py",
+    "models/diagnosis.py",
+    "models/harm.py",
+    "models/information.py",
+    "models/reference.py",
+    "models/written.py",
+)
 NOT = re.compile(r"\bNo rule\b")
 ALL = "No rule, as all numbers here"
 
 
 def modules() -> list[Path]:
     folders = [sorted((ROOT / one).glob("*.py")) for one in FOLDERS]
-    return [*(path for some in folders for path in some), *(ROOT / one for one in FILES)]
+    every = (*(path for some in folders for path in some), *(ROOT / one for one in FILES))
+    return list(dict.fromkeys(every))
 
 
 def unsaid(source: str) -> Iterator[str]:
@@ -77,6 +85,7 @@ def test_every_rule_is_asked_for() -> None:
         ("price", float("inf"), "a finite number >= 0"),
         ("price", "4", "a finite number >= 0"),
         ("row_freedom", 0.0, "a finite number > 0"),
+        ("wild_blocks", 0, "a whole number > 0"),
         ("again", 1.5, "a whole number >= 0"),
         ("again", True, "a whole number >= 0"),
         ("most_items", 0, "a whole number > 0"),
