@@ -45,9 +45,6 @@ class Rules:
         CHOSEN,
         some=True,
     )
-    least_seconds: float = _rule(
-        0.2, "s", "shorter pieces between two contacts are not worth their rows", CHOSEN
-    )
     most_windows: int = _rule(
         600,
         "windows",
@@ -165,7 +162,6 @@ class Rules:
         3, "robots", "that make a swarm", "derived: of two, neither says which one differs"
     )
     deviants: float = _rule(0.2, "of the robots", "that a shared item may leave worse off", CHOSEN)
-    contenders: int = _rule(5, "causes", "fitted in earnest for one place", CHOSEN, some=True)
     worth: float = _rule(
         0.3, SHARE, "of the largest linear gain, that a contender must promise", CHOSEN
     )

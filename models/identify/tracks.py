@@ -275,9 +275,7 @@ def _windows(
     new = begin | np.concatenate([[True], np.diff(piece) != 0])
     window = np.cumsum(new) - 1
     count = np.bincount(window)
-    span = np.zeros(len(count))
-    np.maximum.at(span, window, t[rows] - t[rows][new][window])
-    keep = (count >= LEAST_ROWS) & (span >= min(rules.least_seconds, (LEAST_ROWS - 1) * step * 0.9))
+    keep = count >= LEAST_ROWS
     usable = keep
     keep = keep & _spread(who[rows][new], keep, rules)
     unused = rows[(usable & ~keep)[window]]

@@ -143,7 +143,7 @@ def contenders(listed: Sequence[Offer], rules: Rules, most: float = 0.0) -> list
 
     Args:
         listed: Best first.
-        rules: How many, and how much worse than the best.
+        rules: How much worse than the best they may be.
         most: Gain that they are measured by; 0: the best of theirs.
     """
     seen: dict[Term, Offer] = {}
@@ -152,7 +152,7 @@ def contenders(listed: Sequence[Offer], rules: Rules, most: float = 0.0) -> list
         term = one.item.term
         if term is not None and term not in seen and one.gain >= rules.worth * most:
             seen[term] = one
-    return list(seen.values())[: rules.contenders]
+    return list(seen.values())
 
 
 def fitted_with(
