@@ -27,7 +27,7 @@ class Weighed:
     def __init__(self, state: State) -> None:
         self.state = state
         names = state.robots[0].names
-        self.prior, common = state.health.on(names)
+        self.prior, common = state.health.on(names, state.rules)
         recorded = np.array([state.unsure.get(name, 0.0) for name in names])
         self._shared: FloatArray = np.hypot(common, recorded)
         self.alone = [self._alone(k) for k in range(len(state.robots))]

@@ -15,6 +15,7 @@ from realitygap.models.held_out import parts
 from realitygap.models.identify.fitted import Values
 from realitygap.models.log import MeasuredLog
 from realitygap.models.naming.findings import Named
+from realitygap.models.rules import Rules
 from realitygap.models.schema import LS, PS
 from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.causes import sense_causes
@@ -67,6 +68,7 @@ def diagnose_senses(
     believed: Mapping[int, Belief] | None = None,
     seen: Mapping[int, tuple[Motion, Motion]] | None = None,
     moved: Mapping[int, Motion] | None = None,
+    rules: Rules = Rules(),
 ) -> SenseExamination:
     """Say what is wrong with the senses of the robots of a log.
 
@@ -77,6 +79,7 @@ def diagnose_senses(
         believed: What the simulator believes of single robots, by id.
         seen: As for `look`: robots whose markers motion has found askew.
         moved: As for `look`: robots in whose motion something was named.
+        rules: What naming is tuned to.
     """
     healthy = no_sense_reference("") if reference is None else reference
     missing = _missing(log, model, reference)
@@ -87,8 +90,8 @@ def diagnose_senses(
     judged = model.tables is not None and any(name in log.frame for name in (*PS, *LS))
     if not judged and told is None:
         return SenseExamination(not_checked=tuple(missing))
-    sight = look(log, model, seen, moved=moved) if judged else None
-    robots = sense_log(log, model, healthy, sight, part, believed or {})
+    sight = look(log, model, seen, moved=moved, rules=rules) if judged else None
+    robots = sense_log(log, model, healthy, sight, part, believed or {}, rules)
     found = identify(robots, healthy, _believed(robots.robots, model, believed or {}))
     missing += _uncrossed(found)
     missing += unmeasured(found.state.robots[0].names, found.state.items, healthy)
@@ -113,13 +116,20 @@ def sense_log(
     sight: Sight | None,
     part: Rows,
     believed: Mapping[int, Belief],
+    rules: Rules = Rules(),
 ) -> SenseLog:
     """A log as the senses are judged by it, with the lamps that may stand somewhere else."""
     doses: Doses = {}
     if sight is not None:
         doses = far_lamps(sight, model, _believed(sight.robots, model, believed))
     return SenseLog(
-        log, model, sight, of_log=part, doses=doses, robots_seen=TARGETS in healthy.columns
+        log,
+        model,
+        sight,
+        of_log=part,
+        doses=doses,
+        robots_seen=TARGETS in healthy.columns,
+        rules=rules,
     )
 
 

@@ -15,7 +15,7 @@ from realitygap.models.identify.value import values
 from realitygap.models.naming.columns import Mask
 from realitygap.models.naming.findings import Follows, Named
 from realitygap.models.naming.fitter import Fitter
-from realitygap.models.naming.search import LEAST_SWARM, search
+from realitygap.models.naming.search import search
 from realitygap.models.naming.seen import away, least_seen
 from realitygap.models.naming.state import SWARM, State
 from realitygap.models.naming.subject import Subject
@@ -62,7 +62,8 @@ def identify(log: SenseLog, reference: SenseReference, believed: Sequence[Belief
     start = State(log, base, robots, reference.learned)
     known = reference.knows(start.robots[0].names)
     windows = sum(one.learned for one in robots)
-    gates = reference.gates.of(windows) if windows else reference.gates
+    gates = reference.gates.under(log.rules)
+    gates = gates.of(windows) if windows else gates
     state, found = settle(search(start, gates, known), gates, known)
     named: list[Named] = []
     follows: list[Follows] = []
@@ -71,7 +72,7 @@ def identify(log: SenseLog, reference: SenseReference, believed: Sequence[Belief
         named += _named(state, scope, judged, known)
     weighed = Weighed(state)
     return SensesFound(
-        named=tuple(standing(named, follows)),
+        named=tuple(standing(named, follows, log.rules)),
         follows=tuple(follows),
         state=state,
         judged=found,
@@ -94,7 +95,7 @@ def _named(state: State, scope: int, judged: Judged, known: Mask) -> list[Named]
         evidence = evidence_of(weighed, scope, judged, k, covariance, known)
         none = np.zeros(len(term.cause.parameters))
         own = values(term, evidence.coordinates, covariance, NO_COMMANDS, none, none)
-        shared = scope == SWARM and len(state.robots) >= LEAST_SWARM
+        shared = scope == SWARM and len(state.robots) >= state.rules.least_swarm
         found.append(
             Named(
                 term=term,

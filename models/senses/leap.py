@@ -22,7 +22,9 @@ from realitygap.models.senses.sight import Sight
 from realitygap.models.senses.terms import Doses, applied, sense_terms
 
 MOMENTS = 1000
-"""Rows whose light chooses among places; all of them judge what is chosen. Our choice."""
+"""Rows whose light chooses among places; all of them judge what is chosen. Our choice.
+No rule, as all numbers here: they say from where fits begin; the mixed model judges where these
+end."""
 DIM = 10.0
 """counts of light, below which it differs by noise alone."""
 ROUGHLY = 0.3

@@ -27,6 +27,8 @@ from tests.models.small import driven_log
 MODEL = read_model_file("epuck").model_copy(update={"arena": None})
 HEALTHY = Drive(acceleration=(160.0, 160.0), time_constant=0.01)
 """What sound robots of these tests do: more than the minimal model knows."""
+RECORDER = "test"
+"""All logs here are recorded alike."""
 
 
 def table(seed: int, drives: dict[int, Drive], robots: int = 3, rows: int = 1500) -> pd.DataFrame:
@@ -57,10 +59,12 @@ def reference() -> Reference:
     inherent = np.mean([fit_inherent(one, drive) for one in swarms[:2]], axis=0)
     healthy = INHERENT.applied(Motion(drive=drive), inherent)
     told = [told_of(one, healthy) for one in swarms]
-    return make_reference(told, inherent, model="e-puck", drive=drive, command="test")
+    made = make_reference(told, inherent, model="e-puck", drive=drive, command="test")
+    return made.model_copy(update={"recorder": RECORDER, "step": float(swarms[0].step)})
 
 
 def diagnosed(frame: pd.DataFrame, known: Reference | None = None) -> Diagnosis:
+    frame.attrs["recorder"] = RECORDER
     log = make_log(frame, drive=MODEL.motion().drive)
     return diagnose(log, MODEL, known or reference()).diagnosis
 
