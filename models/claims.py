@@ -28,16 +28,13 @@ from realitygap.models.identify.tracks import Tracks
 from realitygap.models.log import MeasuredLog
 from realitygap.models.modelfile import ModelFile
 from realitygap.models.naming.findings import Named
-from realitygap.models.naming.search import LEAST_SWARM
 from realitygap.models.reference import Reference
 from realitygap.models.replay import HORIZONS
+from realitygap.models.rules import Rules
 from realitygap.models.written import at_bound
 
 SURE = 99.0
-"""Standard deviations beyond which a distance says no more."""
-LEAST_APART = 8
-"""Windows that share no moment, of which the median must be far. Our choice: one push that nobody
-saw spoils at most two of them."""
+"""Standard deviations beyond which a distance says no more. No rule: what is told."""
 
 
 def claimed(
@@ -56,7 +53,7 @@ def claimed(
     ahead = Ahead(log, conditions(log, examined.model) if table is None else table)
     by_part = (refitted(found.fits, 0), refitted(found.fits, 1)) if inside else ({}, {})
     predictions = Predictions(ahead, examined.model, inside, by_part)
-    refused = harmless(predictions)
+    refused = harmless(predictions, tracks.rules)
     named = tuple(
         replace(one, exported=k not in refused, why=refused.get(k, ""))
         for k, one in enumerate(inside)
@@ -73,7 +70,7 @@ def claimed(
         unexplained=(*unexplained, *errors.far(named, unexplained)),
         gain=errors.gains(named, exported),
         detectable=tuple(_told(one, tracks.robots) for one in seen),
-        untold=untold(seen, tracks.robots),
+        untold=untold(seen, tracks.robots, tracks.rules),
         used=tracks.used,
     )
     return replace(examined, diagnosis=diagnosis, errors=errors.by_robot(exported))
@@ -149,6 +146,7 @@ class _Errors:
     ) -> None:
         self.predictions, self.reference, self.tracks = predictions, reference, tracks
         self.base, self.alike, self.rng = base, alike, rng
+        self._gate = reference.gates.under(tracks.rules).error
         self.ahead, self.model = predictions.ahead, predictions.model
         plain = self.model.model_copy(update={"extension": None})
         self._minimal = plain.motion()
@@ -211,7 +209,7 @@ class _Errors:
         told |= {r for one in left if one.robots != "all" for r in one.robots}
         known = [robot for robot in self.tracks.robots if not self.alike or robot not in told]
         ratios = {robot: self._ratios(robot) for robot in known}
-        usual = {} if self.alike else _usual(list(ratios.values()))
+        usual = {} if self.alike else _usual(list(ratios.values()), self.tracks.rules)
         found = []
         for robot in known:
             one = self._far(robot, ratios[robot], usual) if robot not in told else None
@@ -228,8 +226,7 @@ class _Errors:
         self, robot: int, ratios: Sequence[Ratio], usual: Mapping[str, float]
     ) -> Unexplained | None:
         """At the horizon at which it is farthest."""
-        gate = self.reference.gates.error
-        beyond = [one for one in ratios if one[0] > gate * usual.get(one[1], 1.0)]
+        beyond = [one for one in ratios if one[0] > self._gate * usual.get(one[1], 1.0)]
         if not beyond:
             return None
         most, name, seen, noise = max(beyond)
@@ -256,7 +253,7 @@ class _Errors:
         found = []
         for name in KEYS:
             some = self.ahead.apart(name, robot)
-            if len(some) < LEAST_APART:
+            if len(some) < self.tracks.rules.least_apart:
                 continue
             seen, usual = float(np.median(off[name][some])), float(np.median(noise[name][some]))
             if usual > 0.0:
@@ -264,12 +261,12 @@ class _Errors:
         return found
 
 
-def _usual(every: Sequence[Sequence[Ratio]]) -> dict[str, float]:
+def _usual(every: Sequence[Sequence[Ratio]], rules: Rules) -> dict[str, float]:
     """By key, the median robot's ratio, at least 1: what most have may be the recording's.
 
-    Of fewer than `LEAST_SWARM` robots nobody says which one differs.
+    Of fewer than make a swarm nobody says which one differs.
     """
-    if len(every) < LEAST_SWARM:
+    if len(every) < rules.least_swarm:
         return {}
     found: dict[str, list[float]] = {}
     for own in every:

@@ -17,10 +17,12 @@ from realitygap.models.extension import Extension
 from realitygap.models.named import Names
 from realitygap.models.naming.findings import Named
 from realitygap.models.proposal.menu import Proposal
+from realitygap.models.rules import Rules
 from realitygap.models.used import Used
 from realitygap.models.written import written
 
 SCHEMA = 2
+"""Of `diagnosis.json`. No rule."""
 Verdict = Literal["named", "nothing_wrong", "cannot_tell", "unexplained", "ambiguous"]
 
 
@@ -91,6 +93,8 @@ class Diagnosis:
     robots: tuple[int, ...] = ()
     names: Names = field(default_factory=Names)
     """What robots are called, where the log has names."""
+    rules: Rules = field(default_factory=Rules)
+    """What naming was tuned to."""
     reference: str = ""
     """What health was taken from; empty: nothing."""
     proposal: Proposal | None = None

@@ -2,8 +2,9 @@
 
 A cause is exported only if the model with it predicts better on parts of the log that its values
 were not fitted to, 1, 5 or 20 s ahead in place or heading, and worse at none of them. The test is
-paired over blocks of time of the robots that have the cause (`models.blocks`): at most `LEVEL` by
-chance, and, to be worse, by more than `MARGIN` of the error. Each named cause is judged by leaving
+paired over blocks of time of the robots that have the cause (`models.blocks`): at most
+`Rules.harm_level` by chance, over the number of errors that it changes, and, to be worse, by more
+than `Rules.harm_margin` of the error. Each named cause is judged by leaving
 it out of the rest; what fails is dropped and the rest judged again, and at last all together.
 """
 
@@ -21,14 +22,9 @@ from realitygap.models.identify.fitted import Values
 from realitygap.models.modelfile import ModelFile
 from realitygap.models.naming.findings import Named
 from realitygap.models.prediction import MOTION
+from realitygap.models.rules import Rules
 from realitygap.models.written import written
 
-LEVEL = 0.05
-"""Chance that any of a cause's errors counts as smaller, or as larger, though it is not: each of n
-errors that it changes is tested one-sided at this over n."""
-MARGIN = 0.02
-"""Of the error that is there without the cause, by which it must grow to count as harm: less is
-seen by nobody, and every cause changes every prediction a little. Our choice."""
 UNCHECKED = "seen, but the log has too little beside it to check: not exported"
 """Why a cause is not exported that only one part of the log shows, or no window of the other."""
 
@@ -112,7 +108,7 @@ class Predictions:
         return found
 
 
-def harmless(predictions: Weighable) -> dict[int, str]:
+def harmless(predictions: Weighable, rules: Rules = Rules()) -> dict[int, str]:
     """Causes that may not be exported, by number, and why."""
     named, by_part = predictions.named, predictions.by_part
     refused = {
@@ -122,7 +118,7 @@ def harmless(predictions: Weighable) -> dict[int, str]:
     }
     kept = frozenset(range(len(named))) - refused.keys()
     while kept:
-        worst = _worst(predictions, kept)
+        worst = _worst(predictions, kept, rules)
         if worst is None:
             break
         number, refused[number] = worst[0], worst[1]
@@ -130,25 +126,25 @@ def harmless(predictions: Weighable) -> dict[int, str]:
     return refused
 
 
-def _worst(predictions: Weighable, kept: frozenset[int]) -> tuple[int, str] | None:
+def _worst(predictions: Weighable, kept: frozenset[int], rules: Rules) -> tuple[int, str] | None:
     """The cause that must go first, and why; None: all may stay."""
     alone = {
         k: predictions.compare(predictions.named[k].robots, kept - {k}, kept) for k in sorted(kept)
     }
-    harmful = {k: worse(one) for k, one in alone.items() if worse(one)}
+    harmful = {k: bad for k, one in alone.items() if (bad := worse(one, rules))}
     if harmful:
         number = max(harmful, key=lambda k: max(alone[k][name].level for name in harmful[k]))
         return number, predictions.harms(harmful[number])
     unchecked = [k for k, one in alone.items() if not one]
     if unchecked:
         return unchecked[0], UNCHECKED
-    useless = [k for k, one in alone.items() if not helps(one)]
+    useless = [k for k, one in alone.items() if not helps(one, rules)]
     if useless:
         number = max(useless, key=lambda k: min((b.level for b in alone[k].values()), default=1.0))
         return number, predictions.useless
     for k in sorted(kept):
         robots = predictions.named[k].robots
-        found = worse(predictions.compare(robots, frozenset(), kept))
+        found = worse(predictions.compare(robots, frozenset(), kept), rules)
         if found:
             beside = [j for j in kept if set(predictions.named[j].robots) & set(robots)]
             number = max(beside, key=lambda j: min(b.level for b in alone[j].values()))
@@ -156,15 +152,15 @@ def _worst(predictions: Weighable, kept: frozenset[int]) -> tuple[int, str] | No
     return None
 
 
-def helps(found: Mapping[str, Better]) -> bool:
+def helps(found: Mapping[str, Better], rules: Rules) -> bool:
     """Whether something is predicted better."""
-    return any(one.level < LEVEL / len(found) for one in found.values())
+    return any(one.level < rules.harm_level / len(found) for one in found.values())
 
 
-def worse(found: Mapping[str, Better]) -> list[str]:
+def worse(found: Mapping[str, Better], rules: Rules) -> list[str]:
     """Keys of what is predicted worse."""
-    sure = 1.0 - LEVEL / max(len(found), 1)
-    return [k for k, one in found.items() if one.share < -MARGIN and one.level > sure]
+    sure = 1.0 - rules.harm_level / max(len(found), 1)
+    return [k for k, one in found.items() if one.share < -rules.harm_margin and one.level > sure]
 
 
 def robots_of(named: Sequence[Named], robots: Sequence[int]) -> list[int]:

@@ -16,7 +16,7 @@ from realitygap.embedded_sim.model import FloatArray
 
 FLOOR = 1e-10
 """Of the largest parameter's information, or of one, that a parameter must have: less is rounding
-of a numerical derivative."""
+of a numerical derivative. No rule, as all numbers here: tolerances."""
 LEAST = 1e-10
 """Eigenvalue, every parameter scaled to an information of one, below which a direction is not told:
 two parameters alike to a part in a hundred thousand."""

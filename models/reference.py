@@ -26,11 +26,13 @@ from realitygap.models.identify.detectable import rare
 from realitygap.models.identify.hypothesis import Term
 from realitygap.models.identify.inherent import INHERENT
 from realitygap.models.naming.health import Health
+from realitygap.models.rules import Rules
 
 DIRECTORY = Path(__file__).parent / "references"
 SCHEMA = 2
+"""Of the file. No rule."""
 LIKE = 0.01
-"""Relative difference of two logs' steps that is none: written times are rounded."""
+"""Relative difference of two logs' steps that is none: written times are rounded. No rule."""
 
 
 class Column(Finite):
@@ -47,17 +49,27 @@ class Column(Finite):
 class Gates(Finite):
     """What is beyond health: deviance taken off beyond what its differences would, and errors."""
 
-    cause: float = 30.0
-    """For a name: 5.5 standard deviations from health. Of 400 healthy robots by thirty causes, the
-    farthest comes to 4 or 5."""
-    flexible: float = 40.0
-    """For what follows a measured quantity: 6.3 standard deviations, because the tails of some
-    sixty terms that nothing physical bounds are not normal."""
-    error: float = 5.0
+    cause: float = Rules.cause_gate
+    """For a name."""
+    flexible: float = Rules.flexible_gate
+    """For what follows a measured quantity."""
+    error: float = Rules.error_gate
     """For a prediction: times the median error that tracker noise leaves of a healthy robot by the
     healthy model, from which on an error is far above them."""
-    margin: float = 1.5
+    margin: float = Rules.gate_margin
     """Times the farthest healthy robot's, where that is more."""
+
+    def under(self, rules: Rules) -> Gates:
+        """By other rules than the shipped ones: a gate that these set is where those set it."""
+        found = {}
+        for name, now in (
+            ("cause", rules.cause_gate),
+            ("flexible", rules.flexible_gate),
+            ("error", rules.error_gate),
+        ):
+            kept, shipped = getattr(self, name), type(self).model_fields[name].default
+            found[name] = now if kept == shipped else max(kept, now)
+        return self.model_copy(update=found)
 
     def of(self, windows: int) -> Gates:
         """As seldom passed by chance where the noise was learned from so few windows."""
@@ -239,7 +251,7 @@ def find_shipped(
     return None
 
 
-def no_reference(model: str, drive: Drive) -> Reference:
+def no_reference(model: str, drive: Drive, rules: Rules = Rules()) -> Reference:
     """What is believed where nobody measured healthy robots: the minimal model, no spread."""
     return Reference(
         model=model,

@@ -11,7 +11,7 @@ from realitygap.models.identify.value import Value
 from realitygap.models.naming.findings import Named
 
 AT = 1e-6
-"""Of a parameter's range, within which a value is at its bound: rounding."""
+"""Of a parameter's range, within which a value is at its bound. No rule: rounding."""
 
 
 def written(named: Named, values: Sequence[Value]) -> NamedCause:

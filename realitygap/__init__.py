@@ -16,11 +16,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from realitygap.embedded_sim.errors import Diverged, InputError
+    from realitygap.models.rules import Rules
     from realitygap.studies import study
     from realitygap.studies.blind.battery import blind
     from realitygap.studies.demo.demo import demo
     from realitygap.studies.diagnosis.diagnose import diagnose
     from realitygap.studies.diagnosis.result import DiagnosisResult
+    from realitygap.studies.diagnosis.rules import rules
     from realitygap.studies.gain.measure import GainFailed, gain
     from realitygap.studies.gain.result import GainResult
     from realitygap.studies.gap.measure import GapResult, measure_gap
@@ -45,6 +47,7 @@ _WHERE = {
     "InputError": "embedded_sim.errors",
     "Log": "studies.inputs.logs",
     "Model": "studies.inputs.model",
+    "Rules": "models.rules",
     "RunResult": "studies.run.simulate",
     "StudyResult": "studies.study",
     "Unfinished": "studies.plumbing.execution",
@@ -62,6 +65,7 @@ _WHERE = {
     "new_model": "studies.inputs.robot",
     "read_log": "studies.inputs.imported",
     "replay": "studies.gap.replay",
+    "rules": "studies.diagnosis.rules",
     "simulate": "studies.run.simulate",
     "study": "studies",
     "topics": "studies.inputs.imported",
@@ -77,6 +81,7 @@ __all__ = [
     "InputError",
     "Log",
     "Model",
+    "Rules",
     "RunResult",
     "StudyResult",
     "Unfinished",
@@ -94,6 +99,7 @@ __all__ = [
     "new_model",
     "read_log",
     "replay",
+    "rules",
     "simulate",
     "study",
     "topics",

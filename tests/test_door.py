@@ -41,6 +41,17 @@ def found(room: Path) -> rg.DiagnosisResult:
     return rg.diagnose(room / "log.csv", model=room / "open.toml")
 
 
+def test_other_rules_give_another_answer_which_says_so(
+    room: Path, found: rg.DiagnosisResult
+) -> None:
+    deaf = rg.Rules(cause_gate=1e9, flexible_gate=1e9)
+    other = rg.diagnose(room / "log.csv", model=room / "open.toml", rules=deaf)
+    assert len(found.causes) > 0
+    assert len(other.causes) == 0
+    assert other.content["rules"] == {"cause_gate": 1e9, "flexible_gate": 1e9}
+    assert "rules" not in found.content
+
+
 def test_the_names_of_the_door_are_listed_typed_and_there() -> None:
     source = ast.parse((ROOT / "realitygap" / "__init__.py").read_text(encoding="utf-8"))
     (typed,) = (node for node in source.body if isinstance(node, ast.If))

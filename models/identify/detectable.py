@@ -15,18 +15,7 @@ from scipy.special import ndtr, stdtrit
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes import Cause, Motion, causes
 from realitygap.models.causes.withheld import withheld
-
-SURELY = 1.645
-"""Standard deviations beyond a gate at which 95 % of normal values pass it."""
-CORE = {
-    "wheel_radius_scale": 0.05,
-    "wheel_radius_mismatch": 0.05,
-    "wheel_separation": 0.05,
-    "command_latency": 0.1,
-}
-"""Sizes (1, 1, 1, s) of the causes that every robot on two wheels can have, from which they must
-show before a robot is called sound: an error of a twentieth is what a ruler finds, and a tenth of
-a second what a person sees. Our choice."""
+from realitygap.models.rules import Rules
 
 
 class Seen(NamedTuple):
@@ -69,12 +58,20 @@ def detectable(least: Mapping[str, FloatArray], motions: Sequence[Motion]) -> li
     return seen
 
 
-def untold(seen: Sequence[Seen], robots: Sequence[int]) -> dict[int, tuple[str, ...]]:
+def core(rules: Rules) -> dict[str, float]:
+    """Sizes (1, 1, 1, s) of the causes that every robot on two wheels can have, from which on they
+    must show before a robot is called sound."""
+    wheels = ("wheel_radius_scale", "wheel_radius_mismatch", "wheel_separation")
+    return {**dict.fromkeys(wheels, rules.core_share), "command_latency": rules.core_late}
+
+
+def untold(seen: Sequence[Seen], robots: Sequence[int], rules: Rules) -> dict[int, tuple[str, ...]]:
     """By robot that cannot be called sound, the core causes that it could have unseen."""
+    least = core(rules)
     missed: dict[int, tuple[str, ...]] = {}
     for one in seen:
-        if one.cause.name in CORE:
-            unseen = ~(one.size <= CORE[one.cause.name])
+        if one.cause.name in least:
+            unseen = ~(one.size <= least[one.cause.name])
             for k in np.flatnonzero(unseen).tolist():
                 missed[robots[k]] = (*missed.get(robots[k], ()), one.cause.name)
     return missed

@@ -17,10 +17,7 @@ from realitygap.models.modelfile import ModelFile
 from realitygap.models.naming.identify import identify
 from realitygap.models.naming.leftover import leftover
 from realitygap.models.reference import Reference, no_reference
-
-FEW_SECONDS = 30.0
-"""s of free motion with which a robot can be judged at all; our choice, a quarter of what the
-blind battery's bars are stated for."""
+from realitygap.models.rules import Rules
 
 
 def diagnose(
@@ -28,6 +25,7 @@ def diagnose(
     model: ModelFile,
     reference: Reference | None,
     *,
+    rules: Rules = Rules(),
     seed: int = 0,
     name: str = "model",
 ) -> Examination:
@@ -37,6 +35,7 @@ def diagnose(
         log: Measured.
         model: What the simulator believes.
         reference: What healthy robots do; None: nobody knows.
+        rules: What naming is tuned to.
         seed: Of the bootstrap.
         name: What to call the model's file in an error.
 
@@ -45,11 +44,13 @@ def diagnose(
             the log does not have.
     """
     table = conditions(log, model)
-    tracks = cut_tracks(log, model, table=table)
+    tracks = cut_tracks(log, model, table=table, rules=rules)
     if model.extension is not None:
         model.extension.check_robots(tracks.robots, name)
     believed = [model.motion(robot) for robot in tracks.robots]
-    healthy = no_reference(model.name, model.motion().drive) if reference is None else reference
+    healthy = (
+        no_reference(model.name, model.motion().drive, rules) if reference is None else reference
+    )
     alike = healthy.recorded_like(log.recorder, log.step)
     found = identify(tracks, healthy, believed, alike=alike)
     examined = Examination(
@@ -66,6 +67,7 @@ def diagnose(
             ),
             notes=log.notes,
             robots=tracks.robots,
+            rules=rules,
             reference="" if reference is None else reference.model,
         ),
     )
@@ -103,14 +105,15 @@ def _not_checked(tracks: Tracks, reference: Reference | None) -> tuple[str, ...]
 
 def _too_little(tracks: Tracks) -> list[str]:
     """Robots that moved too little to be called sound."""
+    least = tracks.rules.few_seconds
     told = np.any(tracks.commands[tracks.rows[tracks.first]] != 0.0, axis=1)
     took = tracks.t[np.append(tracks.rows[tracks.first[1:] - 1], tracks.rows[-1])]
     seconds = (took - tracks.t[tracks.rows[tracks.first]]) * told
     moved = np.bincount(tracks.robot, seconds, len(tracks.robots))
-    few = ", ".join(str(r) for r, s in zip(tracks.robots, moved, strict=True) if s < FEW_SECONDS)
+    few = ", ".join(str(r) for r, s in zip(tracks.robots, moved, strict=True) if s < least)
     if not few:
         return []
     return [
-        f"motion of robots {few}: less than {FEW_SECONDS:g} s of free motion under a command, in "
+        f"motion of robots {few}: less than {least:g} s of free motion under a command, in "
         "which only gross faults show"
     ]

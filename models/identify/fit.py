@@ -21,8 +21,11 @@ from realitygap.models.identify.predict import poses
 from realitygap.models.identify.residual import Fitter, deviance, weights
 from realitygap.models.identify.tracks import Rows, Tracks
 from realitygap.models.information import inverted
+from realitygap.models.tracker import NORMAL
 
 ITERATIONS = 15
+"""Gauss-Newton steps of a fit at most. No rule, as all numbers here: tolerances and limits of
+iterations."""
 CONVERGED = 3e-2
 """Drop of deviance, promised by a further step, at which a robot's fit has ended."""
 HOPE = 5.0
@@ -34,7 +37,6 @@ FOLDS = 5
 """Parts into which a robot's blocks are dealt in turn for held-out deviances."""
 TINY = 1e-9
 """Deviance that is none."""
-NORMAL = 1.4826
 
 
 class Problem:
@@ -98,7 +100,7 @@ class Problem:
     def losses(self, residual: FloatArray, scale: FloatArray | None = None) -> FloatArray:
         """(windows,) deviance; `scale` (robots, 3) of the errors, the problem's if None."""
         wide = self.row_scale if scale is None else scale[self._row_robot]
-        rows = deviance(residual, wide)
+        rows = deviance(residual, wide, self.tracks.rules.row_freedom)
         return np.add.reduceat(rows, self.tracks.first)
 
     def by_group(self, windows: FloatArray) -> FloatArray:
@@ -210,7 +212,7 @@ class Problem:
         self, residual: FloatArray, jacobian: FloatArray
     ) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
         """Curvature (groups, p, p) and gradient (groups, p) of half the deviance, and by window."""
-        w = weights(residual, self.row_scale)
+        w = weights(residual, self.row_scale, self.tracks.rules.row_freedom)
         p = jacobian.shape[2]
         weighted = jacobian * w[:, :, None]
         slope = np.einsum("ncp,nc->np", weighted, residual)

@@ -69,7 +69,7 @@ def _values(problem: Problem, fit: Fit, one: Told) -> tuple[Value, ...]:
             return float(problem.losses(problem.residual(fit.terms, here)).sum())
 
         here = float(fit.coordinates[0, at.start])
-        found = bracket(problem.tracks.commands, here, deviance)
+        found = bracket(problem.tracks.commands, here, deviance, problem.tracks.rules.odds)
         return (told(parameter, found.mean, found.low, found.high),)
     return values(
         term,

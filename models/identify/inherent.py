@@ -14,7 +14,7 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes import ALL, Cause, Motion, Parameter
 
 ACCELERATION = 200.0
-"""rad/s^2 to start from: what 4 m/s^2 is on 20 mm wheels."""
+"""rad/s^2 to start from: what 4 m/s^2 is on 20 mm wheels. No rule: where a fit begins."""
 
 
 def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:

@@ -25,10 +25,6 @@ PARTS = {
     "place y": "at larger y",
 }
 """Parts of a log, in words."""
-STARTING = 1.0
-"""s after a start from rest: more than a small robot's motors need to reach a speed."""
-LEAST_BLOCKS = 6
-"""Blocks that a part must have: fewer do not tell their own spread."""
 
 
 def parts(tracks: Tracks) -> dict[str, Mask]:
@@ -44,7 +40,7 @@ def parts(tracks: Tracks) -> dict[str, Mask]:
         return np.asarray(seen > np.median(seen))
 
     return {
-        "start": mean((tracks.since_start <= STARTING).astype(np.float64)) > 0.5,
+        "start": mean((tracks.since_start <= tracks.rules.started).astype(np.float64)) > 0.5,
         "speed": upper(np.abs(about["speed"])),
         "turning": upper(np.abs(about["turn"])),
         "turn_side": mean(about["turn"]) > 0.0,

@@ -13,9 +13,10 @@ from realitygap.models.causes import Motion
 from realitygap.models.identify.tracks import AROUND, Rows, Tracks
 
 WIDEST = 0.25
-"""Of its neighbours that one pass of an average may take: more would swing."""
+"""Of its neighbours that one pass of an average may take: more would swing. No rule: of
+numerics."""
 REGULAR = 1e-6
-"""Relative deviation from an even rate that written times may have."""
+"""Relative deviation from an even rate that written times may have. No rule: rounding."""
 
 
 def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes import ALL, Cause, Motion, Parameter, causes
+from realitygap.models.rules import Rules
 
 NAME = "recording"
 TRANSIENT = "transient"
@@ -33,24 +34,29 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
     )
 
 
-def recording(step: float) -> Cause:
+def recording(step: float, rules: Rules) -> Cause:
     """What may lie between robots and rows that come every `step` seconds.
 
     Commands are merged by at most a row early or late; more than that is a cause. The other bounds
-    are our choice: ten times a bad quartz, an average over three rows, a tracker whose wand was
-    measured with a ruler.
+    are rules.
     """
+    rate, scale = rules.record_rate_most, rules.record_scale_most
+    smear = (rules.record_rows * step) ** 2
     return Cause(
         name=NAME,
         meaning="how the log was recorded",
         parameters=(
             Parameter(name="delay", unit="s", null=0.0, low=-step, high=step, step=1e-3),
-            Parameter(name="rate", unit="1", null=0.0, low=-2e-3, high=2e-3, step=1e-5),
+            Parameter(name="rate", unit="1", null=0.0, low=-rate, high=rate, step=1e-5),
+            Parameter(name="smear", unit="s^2", null=0.0, low=-1e-4, high=smear, step=1e-5),
             Parameter(
-                name="smear", unit="s^2", null=0.0, low=-1e-4, high=(3.0 * step) ** 2, step=1e-5
-            ),
-            Parameter(
-                name="scale", unit="1", null=1.0, low=0.97, high=1.03, step=1e-4, link="factor"
+                name="scale",
+                unit="1",
+                null=1.0,
+                low=1.0 - scale,
+                high=1.0 + scale,
+                step=1e-4,
+                link="factor",
             ),
         ),
         change=_change,
@@ -58,12 +64,7 @@ def recording(step: float) -> Cause:
     )
 
 
-DOSE = 0.3
-"""Of a whole dose, or of the logarithm of a factor, by which a smeared command makes all robots'
-transients look other than they are. Our choice: a third is beyond what half a row does to them."""
-
-
-def unsure(step: float, names: Sequence[str]) -> dict[str, float]:
+def unsure(step: float, names: Sequence[str], rules: Rules) -> dict[str, float]:
     """By name of a column, the standard deviation with which it is believed to be null.
 
     Where in its row a command began to hold nobody knows. That delays and smears what all robots
@@ -72,8 +73,14 @@ def unsure(step: float, names: Sequence[str]) -> dict[str, float]:
     Args:
         step: s between rows.
         names: Of the columns that there are.
+        rules: How sure one is.
     """
-    spread = {"delay": step, "rate": 1e-3, "smear": step**2, "scale": 0.01}
+    spread = {
+        "delay": step,
+        "rate": rules.record_rate,
+        "smear": step**2,
+        "scale": rules.record_scale,
+    }
     found = {f"{NAME}@{name}": sd for name, sd in spread.items()}
     for name in names:
         key, parameter = name.partition("@")[0].partition(".")[::2]
@@ -81,5 +88,5 @@ def unsure(step: float, names: Sequence[str]) -> dict[str, float]:
         if cause is None or cause.family != TRANSIENT or cause.name in DELAYS:
             continue
         seconds = any(p.name == parameter and p.unit == "s" for p in cause.parameters)
-        found[name] = 0.5 * step if seconds else DOSE
+        found[name] = 0.5 * step if seconds else rules.record_dose
     return found

@@ -126,17 +126,13 @@ class Fitter:
         )
 
 
-DEGREES = 5.0
-"""Of freedom of the Student-t errors: one to four per cent of a real tracker's poses are wild."""
-
-
-def deviance(residual: FloatArray, scale: FloatArray | float = 1.0) -> FloatArray:
-    """(n,) -2 log likelihood of the rows' errors, up to a constant."""
+def deviance(residual: FloatArray, scale: FloatArray | float, freedom: float) -> FloatArray:
+    """(n,) -2 log likelihood of the rows' Student-t errors, up to a constant."""
     z = residual / scale
-    return np.asarray((DEGREES + 1.0) * np.log1p(z**2 / DEGREES).sum(axis=1))
+    return np.asarray((freedom + 1.0) * np.log1p(z**2 / freedom).sum(axis=1))
 
 
-def weights(residual: FloatArray, scale: FloatArray | float = 1.0) -> FloatArray:
+def weights(residual: FloatArray, scale: FloatArray | float, freedom: float) -> FloatArray:
     """(n, 3) weights of squared errors at which least squares has the deviance's optimum."""
     z = residual / scale
-    return np.asarray((DEGREES + 1.0) / (DEGREES + z**2) / np.square(scale))
+    return np.asarray((freedom + 1.0) / (freedom + z**2) / np.square(scale))

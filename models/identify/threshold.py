@@ -9,11 +9,8 @@ import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
 
-POSSIBLE = 6.0
-"""Deviance within which a gap between two commanded speeds remains possible; twice what 95 % of a
-smooth parameter asks for, because neighbouring speeds are few."""
 REACH = 12
-"""Neighbouring commanded speeds looked at on each side of a threshold."""
+"""Neighbouring commanded speeds looked at on each side of a threshold. No rule: it bounds work."""
 
 
 class Bracket(NamedTuple):
@@ -28,13 +25,17 @@ class Bracket(NamedTuple):
     """Ends of the gaps that are not clearly worse."""
 
 
-def bracket(commands: FloatArray, here: float, deviance: Callable[[float], float]) -> Bracket:
+def bracket(
+    commands: FloatArray, here: float, deviance: Callable[[float], float], odds: float
+) -> Bracket:
     """The gaps between commanded speeds that a threshold may lie in.
 
     Args:
         commands: (rows, 2) rad/s of the robots concerned.
         here: About where it lies.
         deviance: Of the log, by the threshold.
+        odds: Deviance within which a gap remains possible: twice what 95 % of a smooth parameter
+            asks for, because neighbouring speeds are few.
     """
     speed = np.unique(np.abs(commands))
     speed = speed[speed > 0.0]
@@ -43,8 +44,8 @@ def bracket(commands: FloatArray, here: float, deviance: Callable[[float], float
     edges = np.concatenate([[0.0 if near <= REACH else chosen[0]], chosen])
     middles = 0.5 * (edges[1:] + edges[:-1])
     loss = np.array([deviance(float(middle)) for middle in middles])
-    possible = np.flatnonzero(loss < loss.min() + POSSIBLE)
-    weight = np.diff(edges) * np.exp(-2.0 * (loss - loss.min()) / POSSIBLE)  # its end: two s.d.
+    possible = np.flatnonzero(loss < loss.min() + odds)
+    weight = np.diff(edges) * np.exp(-2.0 * (loss - loss.min()) / odds)  # its end: two s.d.
     return Bracket(
         best=float(middles[np.argmin(loss)]),
         mean=float(np.average(middles, weights=weight)),

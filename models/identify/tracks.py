@@ -7,7 +7,7 @@ another robot or without a pose are in no window: contact is a cause of its own.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -22,28 +22,19 @@ from realitygap.models.log import MeasuredLog
 from realitygap.models.modelfile import ModelFile
 from realitygap.models.noise import PoseNoise, pose_noise
 from realitygap.models.replay import replay_log
+from realitygap.models.rules import Rules
 from realitygap.models.schema import ENCODERS
 from realitygap.models.used import Used, used
 
-WINDOW = 1.0
-"""s. Our choice: long enough to see 0.1 % of a speed through half a millimetre of noise, short
-enough that what the model leaves out stays below that noise."""
 LEAST_ROWS = 3
-"""Rows a window needs: two poses only fix its place."""
-LEAST_SECONDS = 0.2
-"""Shorter pieces between two contacts say too little to be worth their rows."""
-MOST_WINDOWS = 600
-"""Windows used of one robot: more sharpen nothing that robot-to-robot differences leave visible."""
-ALL_WINDOWS = 3000
-"""Windows used of a swarm, which is fitted as a whole: five minutes of ten robots. Our choice: it
-bounds what the diagnosis of a long log costs."""
-FEW_WINDOWS = 150
-"""Windows that each robot keeps, even of a swarm so large that these are more than the former."""
+"""Rows a window needs: two poses only fix its place. No rule: three is the least that tells."""
 BLOCK_WINDOWS = 5
-"""Windows held out or resampled together, one after the other in time."""
+"""Windows held out or resampled together, one after the other in time. No rule: blocks are of five
+seconds everywhere."""
 AROUND = 2.0
 """s before and after the windows used of a long log whose rows are kept: what a robot was told then
-may still show in its windows, for it may be late, or its clock early."""
+may still show in its windows, for it may be late, or its clock early.
+No rule: the catalogue bounds both."""
 
 TURNED = ("left_turned", "right_turned")
 """Columns of `about` where there are encoders: rad each wheel has turned in its segment."""
@@ -83,6 +74,8 @@ class Tracks:
     """(rows,) part of the log (`models.held_out`)."""
     used: tuple[Used, ...] = ()
     """How much of each robot's time is in windows, and why not the rest."""
+    rules: Rules = field(default_factory=Rules)
+    """By which they were cut, and by which all that is asked of them is judged."""
 
     @property
     def window(self) -> Rows:
@@ -186,16 +179,17 @@ def cut_tracks(
     log: MeasuredLog,
     model: ModelFile,
     *,
-    window: float = WINDOW,
     table: pd.DataFrame | None = None,
+    rules: Rules = Rules(),
 ) -> Tracks:
     """The log's tracks in windows.
 
     Args:
         log: The measured log.
         model: Whose geometry says where contact is.
-        window: s, longest; poses rarer than a third of it get windows of `LEAST_ROWS` of them.
         table: The log's conditions; None: they are looked up.
+        rules: Among them how long a window is; poses rarer than a third of it get windows of
+            `LEAST_ROWS` of them.
 
     Raises:
         InputError: no robot has a single window of free motion.
@@ -206,9 +200,9 @@ def cut_tracks(
     order = np.argsort(who, kind="stable")  # robots first; runs and time stay in order
     t, stretch, segment = log.t[order], log.stretch[order], log.segment[order]
     step = _pose_step(t, free[order], who[order], log.step)
-    seconds = max(window, (LEAST_ROWS - 1) * step * 1.01)
+    seconds = max(rules.window, (LEAST_ROWS - 1) * step * 1.01)
     blocked = (log.tracked & ~free)[order]
-    cut = _windows(t, free[order], blocked, stretch, who[order], seconds, step)
+    cut = _windows(t, free[order], blocked, stretch, who[order], seconds, step, rules)
     rows, first, thinned = cut.rows, cut.first, len(cut.unused) > 0
     if not len(first):
         raise InputError("log", "no stretch of free motion", "robots that move clear of contact")
@@ -236,6 +230,7 @@ def cut_tracks(
         step=log.step,
         part=parts(log)[order],
         used=used(log, clear(table), order[rows], order[cut.unused]),
+        rules=rules,
     )
     return tracks.needed() if thinned else tracks
 
@@ -274,6 +269,7 @@ def _windows(
     who: Rows,
     seconds: float,
     step: float,
+    rules: Rules,
 ) -> _Cut:
     """Rows in windows of at most so many seconds."""
     rows = np.flatnonzero(free)
@@ -292,22 +288,20 @@ def _windows(
     new = begin | np.concatenate([[True], np.diff(piece) != 0])
     window = np.cumsum(new) - 1
     count = np.bincount(window)
-    span = np.zeros(len(count))
-    np.maximum.at(span, window, t[rows] - t[rows][new][window])
-    keep = (count >= LEAST_ROWS) & (span >= min(LEAST_SECONDS, (LEAST_ROWS - 1) * step * 0.9))
+    keep = count >= LEAST_ROWS
     usable = keep
-    keep = keep & _spread(who[rows][new], keep)
+    keep = keep & _spread(who[rows][new], keep, rules)
     unused = rows[(usable & ~keep)[window]]
     rows, window = rows[keep[window]], window[keep[window]]
     first = np.flatnonzero(np.concatenate([[True], np.diff(window) != 0])[: len(rows)])
     return _Cut(rows, first, unused)
 
 
-def _spread(who: Rows, usable: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+def _spread(who: Rows, usable: npt.NDArray[np.bool_], rules: Rules) -> npt.NDArray[np.bool_]:
     """(windows,) of each robot's usable windows at most its share, evenly over its log."""
     keep = np.zeros(len(who), dtype=bool)
     robots = np.unique(who)
-    most = min(MOST_WINDOWS, max(FEW_WINDOWS, ALL_WINDOWS // len(robots)))
+    most = min(rules.most_windows, max(rules.few_windows, rules.all_windows // len(robots)))
     for robot in robots:
         mine = np.flatnonzero((who == robot) & usable)
         if len(mine) > most:

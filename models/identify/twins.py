@@ -17,16 +17,15 @@ from realitygap.models.causes.withheld import withheld
 from realitygap.models.identify.fit import Problem
 from realitygap.models.identify.hypothesis import Fit, Term
 from realitygap.models.identify.predict import wheel_angles
-from realitygap.models.identify.residual import DEGREES
 from realitygap.models.identify.tracks import AROUND, Tracks
+from realitygap.models.rules import Rules
+from realitygap.models.tracker import NORMAL
 
-LEAST = 6.0
-"""Deviance by which one twin must explain the encoders better than the other: odds of 20 to 1."""
-ERRORS = 3.0
-"""Standard errors, over blocks, of the same."""
 BLOCK_SECONDS = 5.0
+"""No rule: blocks are of five seconds everywhere."""
 TICK = 2.0 * np.pi / 1000.0
-"""rad; encoders are never taken to be finer than an e-puck's 1000 steps a turn."""
+"""rad; encoders are never taken to be finer than an e-puck's 1000 steps a turn.
+No rule: of its data sheet."""
 
 
 class Twins(NamedTuple):
@@ -46,6 +45,7 @@ def tell_apart(problem: Problem, kept: Fit, term: Term) -> Twins:
         kept: The set fitted with the term.
         term: A representative of its twins, or a term without any.
     """
+    rules = problem.tracks.rules
     options = {term: kept}
     for name in term.cause.twins:
         if withheld(name):
@@ -64,7 +64,9 @@ def tell_apart(problem: Problem, kept: Fit, term: Term) -> Twins:
         for t, f in options.items()
     }
     best = min(losses, key=lambda t: float(losses[t].sum()))
-    others = tuple(t for t in options if t != best and not _clearly(losses[t] - losses[best]))
+    others = tuple(
+        t for t in options if t != best and not _clearly(losses[t] - losses[best], rules)
+    )
     return Twins(best, options[best], others)
 
 
@@ -108,15 +110,16 @@ def _encoder_loss(tracks: Tracks, motions: list[Motion]) -> FloatArray:
     off = (tracks.encoders - speed)[inside]
     known = np.isfinite(off).all(axis=1)
     step = float(np.median(took[inside]))
-    scale = np.maximum(1.4826 * np.nanmedian(np.abs(off), axis=0), TICK / step / np.sqrt(6.0))
-    loss = (DEGREES + 1.0) * np.log1p((off / scale) ** 2 / DEGREES).sum(axis=1)
+    scale = np.maximum(NORMAL * np.nanmedian(np.abs(off), axis=0), TICK / step / np.sqrt(6.0))
+    freedom = tracks.rules.row_freedom
+    loss = (freedom + 1.0) * np.log1p((off / scale) ** 2 / freedom).sum(axis=1)
     loss = loss + 2.0 * np.log(scale).sum()
     block = np.floor(tracks.t / BLOCK_SECONDS)[inside] + 1e6 * tracks.row_robot[inside]
     _, label = np.unique(block[known], return_inverse=True)
     return np.asarray(np.bincount(label, loss[known]), dtype=np.float64)
 
 
-def _clearly(lost: FloatArray) -> bool:
+def _clearly(lost: FloatArray, rules: Rules) -> bool:
     """Whether a loss per block is clearly above zero."""
     error = float(np.sqrt(np.sum((lost - lost.mean()) ** 2)))
-    return float(lost.sum()) > max(LEAST, ERRORS * error)
+    return float(lost.sum()) > max(rules.odds, rules.errors * error)

@@ -12,9 +12,9 @@ from realitygap.models.identify.hypothesis import Term
 from realitygap.models.identify.measure import strength, uncertainty
 
 NOMINAL = 1.96
-"""Standard deviations of a normal variable on each side of 95 %."""
+"""Standard deviations of a normal variable on each side of 95 %. No rule: of statistics."""
 MOST_LOG = 700.0
-"""Largest logarithm of a number that a computer holds."""
+"""Largest logarithm of a number that a computer holds. No rule."""
 
 
 class Value(NamedTuple):

@@ -11,16 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from realitygap.models.identify.fit import Problem
-from realitygap.models.identify.parts import LEAST_BLOCKS, parts
-
-FAR = 6.0
-"""Robust standard deviations of a robot's errors beyond which a row is wild."""
-ROWS = 0.25
-"""Of a window's rows that make it wild: a tracker's jump is shorter."""
-MORE = 0.25
-"""Share of wild windows that a part must have more than the rest; healthy runs have none."""
-SURE = 3.0
-"""Standard errors of the same, from the number of blocks."""
+from realitygap.models.identify.parts import parts
 
 
 class Wild(NamedTuple):
@@ -48,17 +39,17 @@ def wild(problem: Problem) -> Wild | None:
     Args:
         problem: Of one robot, its base being everything that explains it.
     """
-    tracks = problem.tracks
+    tracks, rules = problem.tracks, problem.tracks.rules
     errors = problem.residual((), np.zeros((problem.count, 0)))
     errors = errors / problem.spread(errors)[0]
-    far = (np.abs(errors) > FAR).any(axis=1)
+    far = (np.abs(errors) > rules.wild_far).any(axis=1)
     count = np.diff(np.append(tracks.first, len(tracks.rows)))
-    out = np.add.reduceat(far.astype(np.float64), tracks.first) / count > ROWS
+    out = np.add.reduceat(far.astype(np.float64), tracks.first) / count > rules.wild_rows
     squared = np.add.reduceat((errors**2).sum(axis=1), tracks.first)
     found = []
     for name, inside in parts(tracks).items():
         blocks = [np.unique(tracks.block[side]) for side in (inside, ~inside)]
-        if min(len(one) for one in blocks) < LEAST_BLOCKS:
+        if min(len(one) for one in blocks) < rules.wild_blocks:
             continue
         there, elsewhere = float(out[inside].mean()), float(out[~inside].mean())
         error = np.sqrt(
@@ -66,5 +57,5 @@ def wild(problem: Problem) -> Wild | None:
         )
         share = float(squared[out & inside].sum() / squared.sum())
         found.append(Wild(name, there, elsewhere, float(error), share))
-    clear = [one for one in found if one.more > max(MORE, SURE * one.error)]
+    clear = [one for one in found if one.more > max(rules.wild_more, rules.errors * one.error)]
     return max(clear, key=lambda one: one.more, default=None)

@@ -38,11 +38,12 @@ from realitygap.models.naming.flexible import (
 WINDOW_EFFECTS = ("speed", "bend", "turn_rate", "aside")
 """Channels in which every window may differ by itself, beside its clock and its lag."""
 FREE = 3
-"""Window effects that are free: place (two) and heading of the window."""
+"""Window effects that are free: place (two) and heading of the window. No rule: what they are."""
 CLOCKS = ("clock_offset", "command_latency")
 LAGS = ("motor_lag",)
 ROW = 0.04
-"""s; only so that the recording has bounds, which its columns do not ask for."""
+"""s; only so that the recording has bounds, which its columns do not ask for. No rule: as good as
+any."""
 
 
 class Item(NamedTuple):
@@ -119,7 +120,7 @@ def columns(
         names += called
         items.append(item._replace(columns=tuple(range(at, at + len(own)))))
     steps = Steps(tracks, predicted)
-    term = Term(recording(ROW), ALL)
+    term = Term(recording(ROW, tracks.rules), ALL)
     for k, parameter in enumerate(term.cause.parameters):
         found.append(-_slope(problem, term, k))
         names.append(f"{term.cause.name}@{parameter.name}")

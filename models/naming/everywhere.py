@@ -19,20 +19,6 @@ from realitygap.models.identify.hypothesis import Term
 from realitygap.models.identify.parts import PARTS, parts
 from realitygap.models.naming.fitter import Fitter
 from realitygap.models.naming.marginal import EMPTY
-from realitygap.models.naming.separable import INFLATION
-
-CHANCE = 1e-4
-"""Of a true cause's failing by chance in any part of a log. Our choice: a hundred names a day for
-three months."""
-GATE = float(chi2.isf(CHANCE / len(PARTS), 1))
-"""Deviance that a size of its own in one part must take off."""
-DIFFERENT = 1.0 / 3.0
-"""Of a cause's size by which parts must differ: no model of a cause is exact. Our choice; causes
-that were there differed by at most 0.15 where it could be told."""
-
-SHARE = 0.05
-"""Of what a cause changes that must lie in a part, and outside it: where next to nothing of it can
-be seen, any error looks like a large multiple of it. Our choice."""
 
 
 class Where(NamedTuple):
@@ -59,6 +45,8 @@ def uneven(
         coordinates: Their values.
         term: One of them.
     """
+    rules = fitter.state.rules
+    gate = float(chi2.isf(rules.chance / len(PARTS), 1))
     own, _ = fitter.changes(terms, coordinates, term)
     inside = parts(fitter.state.tracks.only(fitter.members))
     names = list(inside)
@@ -74,10 +62,12 @@ def uneven(
     size = np.diag(score.information)
     alone = np.sum([np.sum(one**2, axis=0) for one in columns], axis=0)
     whole = float(own @ own)
-    told = (np.minimum(alone, whole - alone) > SHARE * whole) & (size * INFLATION > alone + EMPTY)
+    told = (np.minimum(alone, whole - alone) > rules.telling * whole) & (
+        size * rules.inflation > alone + EMPTY
+    )
     more = np.where(told, score.slope / np.where(told, size, 1.0), 0.0)
     gain = more * score.slope
-    clear = (gain > GATE) & (np.abs(more) > DIFFERENT)
+    clear = (gain > gate) & (np.abs(more) > rules.different)
     if not clear.any():
         return None
     worst = int(np.argmax(np.where(clear, gain, 0.0)))

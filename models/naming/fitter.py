@@ -16,7 +16,8 @@ from realitygap.models.naming.subject import Subject
 from realitygap.models.naming.weighed import Weighed
 
 FOLDS = 5
-"""Parts into which a robot's blocks are dealt in turn."""
+"""Parts into which a robot's blocks are dealt in turn. No rule, as all numbers here: limits and
+tolerances of iterations."""
 STEPS = 8
 """Gauss-Newton steps of a fit at most."""
 ENDED = 0.05

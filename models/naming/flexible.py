@@ -56,12 +56,6 @@ WHEELS = "wheels"
 """The channel in which both wheels follow a quantity, or each its own command's speed:"""
 OWN_SPEED = "wheel_speed"
 """that quantity."""
-NEAR = 0.1
-"""m: scale on which nearness to walls and robots counts."""
-RECENT = 0.2
-"""s: scale on which a change of command is recent."""
-STARTED = 1.0
-"""s: scale on which a start from rest is recent."""
 
 
 class Steps:
@@ -116,6 +110,7 @@ class Steps:
 
 def quantities(tracks: Tracks, motions: Sequence[Motion]) -> dict[tuple[str, str], FloatArray]:
     """(rows,) values of every function of every quantity that the log has."""
+    rules = tracks.rules
     about = {name: tracks.about[:, k] for k, name in enumerate(tracks.columns)}
     heading, x, y = about["heading"], about["x"], about["y"]
     bearing = np.arctan2(y, x)
@@ -145,12 +140,12 @@ def quantities(tracks: Tracks, motions: Sequence[Motion]) -> dict[tuple[str, str
         ("left_wheel_angle", " cos"): np.cos(left),
         ("right_wheel_angle", " sin"): np.sin(right),
         ("right_wheel_angle", " cos"): np.cos(right),
-        ("neighbour", ""): np.exp(-about["near_robot"].clip(0.0) / NEAR),
-        ("change", ""): np.exp(-np.maximum(since, 0.0) / RECENT),
-        ("start", ""): np.exp(-tracks.since_start / STARTED),
+        ("neighbour", ""): np.exp(-about["near_robot"].clip(0.0) / rules.near),
+        ("change", ""): np.exp(-np.maximum(since, 0.0) / rules.recent),
+        ("start", ""): np.exp(-tracks.since_start / rules.started),
     }
     if "near_wall" in about:
-        values["wall", ""] = np.exp(-about["near_wall"].clip(0.0) / NEAR)
+        values["wall", ""] = np.exp(-about["near_wall"].clip(0.0) / rules.near)
     for name in ("food", "nest"):
         if name in about:
             values[name, ""] = about[name]

@@ -16,18 +16,10 @@ from scipy.special import ndtr, stdtrit
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.naming.marginal import EMPTY, Prior, beside, integrated, root_of, shared
+from realitygap.models.rules import Rules
 
 ROUNDS = 40
-"""Of expectation-maximisation."""
-ROBOTS = 10.0
-"""Robots' weight of no correlation between causes, beside what was measured. Our choice."""
-BELIEVED = 3
-"""Robots' and swarms' weight of what is believed beforehand: that robots differ in a coefficient by
-the error with which one log tells it, and swarms by `ALIKE` of the variance between robots."""
-ALIKE = 0.1
-"""Our choice: robots of one make and one tracker differ less from lot to lot than one by one."""
-SURE = 5.0
-"""Standard deviations at which few robots' spread is made as rare as many robots' is."""
+"""Of expectation-maximisation. No rule: a limit of iterations."""
 
 
 class Told(NamedTuple):
@@ -55,29 +47,31 @@ class Health:
     robots: int
     swarms: int
 
-    def on(self, names: Sequence[str]) -> tuple[Prior, FloatArray]:
+    def on(self, names: Sequence[str], rules: Rules) -> tuple[Prior, FloatArray]:
         """The prior on a log's columns, and (k,) the standard deviations of what swarms share.
 
-        Of few robots the spread is uncertain: it is widened until chance passes `SURE` of them as
-        seldom as a normal variable does.
+        Of few robots the spread is uncertain: it is widened until chance passes `Rules.few_sure`
+        of them as seldom as a normal variable does.
         """
         where = {name: k for k, name in enumerate(self.names)}
         at = np.array([k for k, name in enumerate(names) if name in where], dtype=np.int64)
         own = np.array([where[names[k]] for k in at], dtype=np.int64)
-        wide = few(self.robots + BELIEVED)
+        wide = few(self.robots + rules.believed, rules.few_sure)
         root = root_of(self.covariance[np.ix_(own, own)]) * wide
         spread = np.zeros(len(names))
-        spread[at] = np.sqrt(self.swarm[own]) * few(self.swarms + BELIEVED)
+        spread[at] = np.sqrt(self.swarm[own]) * few(self.swarms + rules.believed, rules.few_sure)
         return Prior(at, self.mean[own], root), spread
 
 
-def few(count: int) -> float:
-    """Factor on a standard deviation measured of so many."""
-    return float(-stdtrit(count - 1.0, float(ndtr(-SURE))) / SURE)
+def few(count: int, sure: float) -> float:
+    """Factor on a standard deviation measured of so many, so that chance passes so many of them as
+    seldom as a normal variable does."""
+    return float(-stdtrit(count - 1.0, float(ndtr(-sure))) / sure)
 
 
-def healthy(swarms: Sequence[Told]) -> Health:
+def healthy(swarms: Sequence[Told], rules: Rules = Rules()) -> Health:
     """Learn from healthy swarms."""
+    believed, alike = rules.believed, rules.alike
     names = tuple(dict.fromkeys(name for one in swarms for name in one.names))
     info, slope = _together(names, swarms)
     swarm = np.repeat(np.arange(len(swarms)), [len(one.slope) for one in swarms])
@@ -86,7 +80,7 @@ def healthy(swarms: Sequence[Told]) -> Health:
     info, slope = info * unit[:, None] * unit, slope * unit
     causes = np.array(["." in name for name in names])
     k, robots, many = len(names), len(slope), len(swarms)
-    spread, common = np.eye(k), np.full(k, ALIKE)
+    spread, common = np.eye(k), np.full(k, alike)
     mean = np.zeros(k)
     for _ in range(ROUNDS):
         root = root_of(spread)
@@ -111,9 +105,9 @@ def healthy(swarms: Sequence[Told]) -> Health:
         u = (own @ rest[:, :, None])[:, :, 0]
         bent = own @ info
         unsure = own + bent @ lot[swarm] @ np.swapaxes(bent, 1, 2)  # of u, its swarm's shift too
-        every = u.T @ u + unsure.sum(axis=0) + BELIEVED * np.eye(k)
-        spread = _shrunk(every / (robots + BELIEVED), causes, robots)
-        common = (moved + BELIEVED * ALIKE * np.diag(spread)) / (many + BELIEVED)
+        every = u.T @ u + unsure.sum(axis=0) + believed * np.eye(k)
+        spread = _shrunk(every / (robots + believed), causes, robots, rules)
+        common = (moved + believed * alike * np.diag(spread)) / (many + believed)
     return Health(
         names,
         mean * unit,
@@ -148,21 +142,21 @@ def _together(names: Sequence[str], swarms: Sequence[Told]) -> tuple[FloatArray,
     return info, slope
 
 
-def _shrunk(full: FloatArray, causes: FloatArray, robots: int) -> FloatArray:
+def _shrunk(full: FloatArray, causes: FloatArray, robots: int, rules: Rules) -> FloatArray:
     """A covariance with causes joint, towards none, and everything else by itself."""
     found = np.diag(np.diag(full))
     at = np.flatnonzero(causes)
     block = np.ix_(at, at)
-    share = robots / (robots + ROBOTS)
+    share = robots / (robots + rules.uncorrelated)
     found[block] = share * full[block] + (1.0 - share) * found[block]
     return found
 
 
-def farthest(health: Health, swarms: Sequence[Told]) -> tuple[float, float]:
+def farthest(health: Health, swarms: Sequence[Told], rules: Rules = Rules()) -> tuple[float, float]:
     """Largest deviance that one coefficient takes off a healthy robot: of causes, of others."""
     most = np.zeros(2)
     for swarm in swarms:
-        prior, spread = health.on(swarm.names)
+        prior, spread = health.on(swarm.names, rules)
         scores = [
             integrated(info, slope, 0.0, prior)
             for info, slope in zip(swarm.information, swarm.slope, strict=True)

@@ -80,11 +80,11 @@ def _of_free(
         base = recorded(tracks, base, reference.learned)
     robots = tuple(robots_of(tracks, base))
     if reference.robots and not alike:
-        unsure_of = unsure(tracks.step, robots[0].names)
+        unsure_of = unsure(tracks.step, robots[0].names, tracks.rules)
     start = State(tracks, base, robots, reference.learned, unsure=unsure_of)
     names = start.robots[0].names
     known = reference.knows(names)
-    gates = reference.gates.of(len(tracks.first))
+    gates = reference.gates.under(tracks.rules).of(len(tracks.first))
     state, judged, strange = _even(start, gates, known)
     found: list[Named] = []
     follows: list[Follows] = []
@@ -96,7 +96,7 @@ def _of_free(
         fits += [fit] if fit is not None else []
     weighed = Weighed(state)
     return Identified(
-        named=tuple(standing(found, follows)),
+        named=tuple(standing(found, follows, tracks.rules)),
         follows=tuple(follows),
         uneven=tuple(strange),
         alike=alike,
@@ -134,7 +134,7 @@ def _told(
 ) -> tuple[list[Named], list[Follows], Fitted | None]:
     """Names, what follows something, and the fit behind them."""
     weighed = Weighed(state)
-    gates = reference.gates.of(len(state.tracks.first))
+    gates = reference.gates.under(state.rules).of(len(state.tracks.first))
     left = following(weighed, scope, sum(judged.gains), gates)
     if not judged.terms:
         return [], left, None
@@ -190,7 +190,7 @@ def _values(
         found[k] = np.array([threshold])
         return fitter.square(judged.terms, found)
 
-    edges = bracket(commands, float(judged.fit.coordinates[k][0]), deviance)
+    edges = bracket(commands, float(judged.fit.coordinates[k][0]), deviance, state.rules.odds)
     return (told(term.cause.parameters[0], edges.mean, edges.low, edges.high),)
 
 

@@ -16,7 +16,8 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.tracks import Rows
 
 FLAT = 1e6
-"""Prior standard deviation, in standard errors of a column alone, that is as good as free."""
+"""Prior standard deviation, in standard errors of a column alone, that is as good as free.
+No rule, as all numbers here: tolerances."""
 EMPTY = 1e-9
 """Information below which a column says nothing."""
 

@@ -22,11 +22,13 @@ from realitygap.models.naming.subject import Subject
 from realitygap.models.naming.threads import one_thread
 from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Column, Gates, Reference
+from realitygap.models.rules import Rules
 
 STARTS = ((0.0, 0.0, -0.005, 0.009, -0.2, 0.0), (0.0, 0.0, 0.02, 0.05, -0.5, 0.0))
-"""Coordinates from which the inherent motion is fitted: motors of several kinds."""
+"""Coordinates from which the inherent motion is fitted: motors of several kinds. No rule: where
+iterations begin."""
 ROUNDS = 2
-"""Times the noise is learned anew at the inherent motion found."""
+"""Times the noise is learned anew at the inherent motion found. No rule: a limit of iterations."""
 
 
 @one_thread
@@ -73,7 +75,13 @@ def told_by(robots: Sequence[Subject]) -> Told:
 
 
 def make_reference(
-    swarms: Sequence[Told], inherent: FloatArray, *, model: str, drive: Drive, command: str
+    swarms: Sequence[Told],
+    inherent: FloatArray,
+    *,
+    model: str,
+    drive: Drive,
+    command: str,
+    rules: Rules = Rules(),
 ) -> Reference:
     """Put healthy swarms together.
 
@@ -83,23 +91,25 @@ def make_reference(
         model: The model's name.
         drive: The model's.
         command: What the user typed, for the record.
+        rules: What naming is tuned to.
     """
     return Reference(
         wheel_radius=float(np.mean(drive.wheel_radius)),
         axle=drive.axle,
         inherent=tuple(float(v) for v in inherent),
-        **spreads(swarms, model=model, command=command),
+        **spreads(swarms, model=model, command=command, rules=rules),
     )
 
 
-def spreads(swarms: Sequence[Told], *, model: str, command: str) -> dict[str, Any]:
+def spreads(
+    swarms: Sequence[Told], *, model: str, command: str, rules: Rules = Rules()
+) -> dict[str, Any]:
     """The fields of any reference: how robots and swarms differ, and the gates."""
-    learned = healthy(swarms)
+    learned = healthy(swarms, rules)
     sd = np.sqrt(np.diag(learned.covariance))
     causes = [k for k, name in enumerate(learned.names) if "." in name and sd[k] > 0.0]
     block = learned.covariance[np.ix_(causes, causes)] / sd[causes][:, None] / sd[causes]
-    cause, flexible = farthest(learned, swarms)
-    gates = Gates()
+    cause, flexible = farthest(learned, swarms, rules)
     return {
         "model": model,
         "robots": learned.robots,
@@ -111,8 +121,8 @@ def spreads(swarms: Sequence[Told], *, model: str, command: str) -> dict[str, An
         "causes": tuple(learned.names[k] for k in causes),
         "correlation": tuple(tuple(float(v) for v in row) for row in block),
         "gates": Gates(
-            cause=max(gates.cause, gates.margin * cause),
-            flexible=max(gates.flexible, gates.margin * flexible),
+            cause=max(rules.cause_gate, rules.gate_margin * cause),
+            flexible=max(rules.flexible_gate, rules.gate_margin * flexible),
         ),
         "command": command,
     }

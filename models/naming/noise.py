@@ -18,25 +18,19 @@ import numpy as np
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.tracks import Rows
 from realitygap.models.naming.columns import FREE, Columns
+from realitygap.models.rules import Rules
 
 ROUNDS = 6
-"""Of expectation-maximisation; our choice. Variances of windows that have something of their own
-are then within a few per cent; where they have nothing they still fall, far below the rows'
-noise."""
+"""Of expectation-maximisation. No rule, as all numbers here: where iterations begin and end.
+Variances of windows that have something of their own are then within a few per cent; where they
+have nothing they still fall, far below the rows' noise."""
 RIDGE = 10.0
 """Information that every column is taken to have beforehand, columns scaled to rms 1 noise: as good
 as none, and enough where a column is empty."""
-ROW_NU = 5.0
-"""Degrees of freedom of rows: one to four per cent of a real tracker's poses are wild."""
-WINDOW_NU = 3.0
-"""Degrees of freedom of windows, whose differences have longer tails: a push, a bump."""
 BEGIN = 0.3
 """rms noise: window effects begin there. Our choice, above what any log at hand ends at."""
 WIDE = 1e8
 """Variance, of columns scaled to rms 1 noise, that is as good as none at all."""
-LEAST_SCALE = 0.3
-"""Of the tracker's noise, least that rows' errors are taken to have."""
-
 
 LEAST_OWN = 0.1
 """Of a row's variance, least that is taken not to have been fitted away."""
@@ -176,9 +170,10 @@ class _Robot:
 def learn(
     cuts: Sequence[Cut],
     made: Sequence[Columns],
+    rules: Rules,
     *,
     free: int = FREE,
-    least: float = LEAST_SCALE,
+    least: float | None = None,
     ridge: float = RIDGE,
     restricted: bool = False,
 ) -> list[Noise]:
@@ -187,12 +182,15 @@ def learn(
     Args:
         cuts: Of one robot each.
         made: Their columns.
+        rules: How long the tails of errors are, and how small they may be.
         free: How many window effects are free, the first ones.
-        least: Of the noise that errors are told in, least that rows are taken to have.
+        least: Of the noise that errors are told in, least that rows are taken to have; None: as the
+            rules say.
         ridge: Information that columns have beforehand, as `RIDGE`.
         restricted: Whether what the fitted columns take off the rows is given back, as it must be
             where rows are few for their columns.
     """
+    least = rules.least_scale if least is None else least
     rows = sum(one.errors.size for one in made)
     size = np.sqrt(sum((one.windows**2).sum(axis=(0, 1)) for one in made) / rows) + 1e-12
     linear = [one.values[:, :, one.linear] for one in made]
@@ -210,18 +208,18 @@ def learn(
             square = found.square[:, free:]
             many = square.shape[1]
             far = (square / spread[free:] ** 2).sum(axis=1)
-            one.window = (WINDOW_NU + many) / (WINDOW_NU + far)
+            one.window = (rules.window_freedom + many) / (rules.window_freedom + far)
             total += (one.window[:, None] * square).sum(axis=0)
             count += len(square)
-            one.weight, one.left = _weights(found.rows, least), found.rows
+            one.weight, one.left = _weights(found.rows, least, rules.row_freedom), found.rows
         spread[free:] = np.sqrt(total / count) + 1e-6
     return [Noise(one.weight, one.window, spread / size, one.left) for one in robots]
 
 
-def _weights(square: FloatArray, least: float) -> FloatArray:
+def _weights(square: FloatArray, least: float, freedom: float) -> FloatArray:
     """(n, axes) weights of rows with Student-t errors of one scale per axis, squares alike."""
     scale = np.maximum(np.median(square, axis=0) / 0.455, least**2)
     for _ in range(4):
-        t = (ROW_NU + 1.0) / (ROW_NU + square / scale)
+        t = (freedom + 1.0) / (freedom + square / scale)
         scale = np.maximum((t * square).mean(axis=0), least**2)
-    return np.asarray((ROW_NU + 1.0) / (ROW_NU + square / scale) / scale)
+    return np.asarray((freedom + 1.0) / (freedom + square / scale) / scale)

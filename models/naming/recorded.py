@@ -15,7 +15,7 @@ from realitygap.models.naming.state import SWARM, State
 from realitygap.models.naming.weighed import Weighed
 
 ROUNDS = 2
-"""Times the noise is learned anew at the recording found."""
+"""Times the noise is learned anew at the recording found. No rule: a limit of iterations."""
 
 
 def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> tuple[Motion, ...]:
@@ -26,7 +26,7 @@ def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> tuple[
         base: (robots,) healthy.
         health: How robots and swarms differ.
     """
-    term = Term(recording(tracks.step), ALL)
+    term = Term(recording(tracks.step, tracks.rules), ALL)
     found = np.zeros(len(term.cause.parameters))
     for _ in range(ROUNDS):
         here = [term.cause.applied(motion, found, ALL) for motion in base]

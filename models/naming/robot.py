@@ -82,7 +82,7 @@ class Robot:
             tracks: Of the whole log.
         """
         made = columns(self.tracks, [motion], tracks.commands)
-        (noise,) = learn([self.tracks], [made])
+        (noise,) = learn([self.tracks], [made], tracks.rules)
         return Robot(self.tracks, motion, made, noise)
 
     def errors(self, motion: Motion) -> FloatArray:
@@ -104,5 +104,5 @@ def robots_of(tracks: Tracks, motions: Sequence[Motion], *, doses: bool = True) 
         columns(one, [m], tracks.commands, doses=doses)
         for one, m in zip(each, motions, strict=True)
     ]
-    noise = learn(each, made)
+    noise = learn(each, made, tracks.rules)
     return [Robot(*one) for one in zip(each, motions, made, noise, strict=True)]

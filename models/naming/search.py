@@ -16,33 +16,11 @@ from realitygap.models.naming.marginal import EMPTY, Score, freed
 from realitygap.models.naming.state import SWARM, Kept, State, refusing, with_kept
 from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates
+from realitygap.models.rules import Rules
 
-MOST = 4
-"""Items kept in one scope; more are not told apart in two minutes."""
-LEAST_SWARM = 3
-"""Robots that make a swarm: of two, neither says which one differs."""
-DEVIANTS = 0.2
-"""Most of the robots that a shared item may leave worse off."""
-CONTENDERS = 5
-"""Causes fitted in earnest for one place."""
-WORTH = 0.3
-"""Of the largest linear gain that a contender must promise."""
-DOSE = 0.3
-"""Least multiple of a whole dose: a small share of one is no such cause."""
-MARGIN = 6.0
-"""Deviance by which something must do worse: odds of 20 to 1."""
-PRICE = 4.0
-"""Deviance that each further parameter must take off: twice what one without a meaning does."""
-BETTER = 12.0
-"""Deviance by which something plain must do better than a cause to stand in its place."""
-ALMOST = 0.06
-"""Of a cause's gain by which the same: no model of a cause is exact,"""
-ROUGH = 0.1
-"""and those of transients are rough."""
 SAME = 1e-6
-"""Of a column's information, what is left of it beside another that is the same."""
-LEFT = 0.25
-"""Of a cause's gain, most that it may still take off beside the plain."""
+"""Of a column's information, what is left of it beside another that is the same. No rule: a
+tolerance."""
 
 
 class Offer(NamedTuple):
@@ -53,7 +31,7 @@ class Offer(NamedTuple):
     step: FloatArray
 
 
-def offers(score: Score, items: Sequence[Item], known: Mask) -> list[Offer]:
+def offers(score: Score, items: Sequence[Item], known: Mask, rules: Rules) -> list[Offer]:
     """What every item promises, best first."""
     found = []
     for item in items:
@@ -68,7 +46,7 @@ def offers(score: Score, items: Sequence[Item], known: Mask) -> list[Offer]:
         except np.linalg.LinAlgError:
             continue
         gain = float(step @ pull)
-        if item.dose is not None and step[0] < DOSE:
+        if item.dose is not None and step[0] < rules.least_dose:
             continue
         if item.term is not None:
             if item.dose is not None and not item.term.cause.smooth:
@@ -77,7 +55,7 @@ def offers(score: Score, items: Sequence[Item], known: Mask) -> list[Offer]:
                 sign = np.array([p.sign for p in item.term.cause.parameters])
                 if (sign * step < 0.0).any():
                     continue
-        found.append(Offer(gain - PRICE * (len(at) - 1), item, np.asarray(step)))
+        found.append(Offer(gain - rules.price * (len(at) - 1), item, np.asarray(step)))
     return sorted(found, key=lambda one: -one.gain)
 
 
@@ -99,15 +77,15 @@ def search(state: State, gates: Gates, known: Mask) -> State:
 
 def _scope(weighed: Weighed, gates: Gates, known: Mask) -> tuple[int, list[Offer]] | None:
     """Where the most conspicuous thing is, and what it may be."""
-    state = weighed.state
+    state, rules = weighed.state, weighed.state.rules
     best: tuple[int, list[Offer]] | None = None
     for scope in (SWARM, *range(len(state.robots))):
-        if len(state.of(scope)) >= MOST:
+        if len(state.of(scope)) >= rules.most_items:
             continue
         taken = {_name(one.item) for one in state.of(scope)}
         listed = [
             one
-            for one in offers(weighed.score(scope), possible(state, scope), known)
+            for one in offers(weighed.score(scope), possible(state, scope), known, rules)
             if one.gain > (gates.flexible if one.item.term is None else gates.cause)
             and _name(one.item) not in taken
             and (scope, one.item.key) not in state.refused
@@ -125,7 +103,7 @@ def possible(state: State, scope: int) -> list[Item]:
     lamp and its sensors would not be rivals.
     """
     alone = len(state.robots) == 1 and any(_of_place(item) for item in state.items)
-    swarm = alone or len(state.robots) >= LEAST_SWARM
+    swarm = alone or len(state.robots) >= state.rules.least_swarm
     if scope == SWARM:
         return [item for item in state.items if swarm or _of_place(item)]
     return [] if alone else [item for item in state.items if not _of_place(item)]
@@ -143,36 +121,36 @@ def _common(weighed: Weighed, one: Offer) -> bool:
     """Whether nearly every robot is better off with a shared item, or it is shared anyway."""
     if _of_place(one.item):
         return True
-    at = list(one.item.columns)
+    at, deviants = list(one.item.columns), weighed.state.rules.deviants
     gains = []
     for robot, score in zip(weighed.state.robots, weighed.alone, strict=True):
         own = score.information[np.ix_(at, at)]
         if np.diag(robot.information)[at].any():  # else it says nothing of the item
             gains.append(2.0 * one.step @ score.slope[at] - one.step @ own @ one.step)
-    return bool(gains) and float(np.mean(np.array(gains) > 0.0)) >= 1.0 - DEVIANTS
+    return bool(gains) and float(np.mean(np.array(gains) > 0.0)) >= 1.0 - deviants
 
 
 def _chosen(weighed: Weighed, scope: int, listed: list[Offer], gates: Gates) -> list[Kept] | None:
     """What is kept in a scope with the best of what is offered; None: nothing stands."""
-    state = weighed.state
+    state, rules = weighed.state, weighed.state.rules
     before = state.of(scope)
     fitter = Fitter(weighed, scope)
     terms = [one.item.term for one in before if one.item.term is not None]
     start = [one.coordinates for one in before if one.item.term is not None]
     now = fitter.square(terms, start)
     tried = []
-    for offer in contenders(listed):
+    for offer in contenders(listed, rules):
         fit = fitted_with(fitter, terms, start, offer)
         if fit is None:
             continue
-        gain = now - fit.square - PRICE * (len(fit.coordinates[-1]) - 1)
+        gain = now - fit.square - rules.price * (len(fit.coordinates[-1]) - 1)
         tried.append((gain, offer, fit))
     plains = [one for one in listed if one.item.term is None]
     tried.sort(key=lambda one: -one[0])
     if tried and tried[0][0] > gates.cause:
-        gain, offer, fit = _plainest(tried)
+        gain, offer, fit = _plainest(tried, rules)
         bare = _bare(state, scope)
-        better = _replacing(weighed.score(scope), offer, gain, plains, bare)
+        better = _replacing(weighed.score(scope), offer, gain, plains, bare, rules)
         if better is not None:
             return [*before, Kept(better, np.zeros(0))]
         rest = iter(fit.coordinates)
@@ -181,39 +159,40 @@ def _chosen(weighed: Weighed, scope: int, listed: list[Offer], gates: Gates) -> 
         ]
         linear = next(i for i in state.items if i.term == offer.item.term)
         return [*kept, Kept(linear if linear.dose is None else offer.item, next(rest))]
-    return [*before, Kept(_steadiest(plains).item, np.zeros(0))] if plains else None
+    return [*before, Kept(_steadiest(plains, rules).item, np.zeros(0))] if plains else None
 
 
 def _plainest(
-    tried: Sequence[tuple[float, Offer, Refined]],
+    tried: Sequence[tuple[float, Offer, Refined]], rules: Rules
 ) -> tuple[float, Offer, Refined]:
     """Of those that do as well as the best, which is first, that with fewest parameters."""
-    close = [one for one in tried if one[0] > tried[0][0] - MARGIN]
+    close = [one for one in tried if one[0] > tried[0][0] - rules.odds]
     return min(close, key=lambda one: len(one[2].coordinates[-1]))
 
 
-def _steadiest(plains: Sequence[Offer]) -> Offer:
+def _steadiest(plains: Sequence[Offer], rules: Rules) -> Offer:
     """The best of what follows something, best first; or what follows nothing, if it does nearly as
     well."""
-    least = (1.0 - ALMOST) * plains[0].gain
+    least = (1.0 - rules.almost) * plains[0].gain
     steady = [one for one in plains if _follows_nothing(one.item)]
     return next((one for one in steady if one.gain > least), plains[0])
 
 
-def contenders(listed: Sequence[Offer], most: float = 0.0) -> list[Offer]:
+def contenders(listed: Sequence[Offer], rules: Rules, most: float = 0.0) -> list[Offer]:
     """The causes worth a fit, each from where it promises most.
 
     Args:
         listed: Best first.
+        rules: How many, and how much worse than the best.
         most: Gain that they are measured by; 0: the best of theirs.
     """
     seen: dict[Term, Offer] = {}
     most = most or max((one.gain for one in listed if one.item.term is not None), default=0.0)
     for one in listed:
         term = one.item.term
-        if term is not None and term not in seen and one.gain >= WORTH * most:
+        if term is not None and term not in seen and one.gain >= rules.worth * most:
             seen[term] = one
-    return list(seen.values())[:CONTENDERS]
+    return list(seen.values())[: rules.contenders]
 
 
 def fitted_with(
@@ -258,24 +237,29 @@ def _tells(score: Score, bare: FloatArray, item: Item) -> bool:
 
 
 def _replacing(
-    score: Score, offer: Offer, gain: float, plains: Sequence[Offer], bare: FloatArray
+    score: Score,
+    offer: Offer,
+    gain: float,
+    plains: Sequence[Offer],
+    bare: FloatArray,
+    rules: Rules,
 ) -> Item | None:
     """What follows a quantity, does better than a cause and leaves it little; None: nothing.
 
     What follows a quantity also has a mean, which a cause would take for its own: its channel's
     steady change is given beside.
     """
-    rough = ROUGH if offer.item.of.cause.feigns else ALMOST
-    best, most = None, gain + max(BETTER, rough * gain)
+    rough = rules.rough if offer.item.of.cause.feigns else rules.almost
+    best, most = None, gain + max(rules.better, rough * gain)
     at = list(offer.item.columns)
     steady = [one for one in plains if _follows_nothing(one.item)]
     for one in (*steady, *(one for one in plains if one not in steady)):
         mean = (one.item.always,) if _tells(score, bare, one.item) else ()
         item = one.item._replace(columns=(*one.item.columns, *mean))
         rest = freed(score, np.array(item.columns))
-        told = score.square - rest.square - PRICE * (len(item.columns) - 1)
+        told = score.square - rest.square - rules.price * (len(item.columns) - 1)
         own, pull = rest.information[np.ix_(at, at)], rest.slope[at]
         left = float(pull @ np.linalg.lstsq(own, pull, rcond=None)[0])
-        if told > most and left < LEFT * gain:
-            best, most = item, told * (1.0 + ALMOST) if one in steady else told
+        if told > most and left < rules.left * gain:
+            best, most = item, told * (1.0 + rules.almost) if one in steady else told
     return best

@@ -16,16 +16,13 @@ from realitygap.models.naming.state import SWARM
 from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates
 
-SURELY = 1.645
-"""Standard deviations beyond a gate at which 95 % of normal values pass it."""
-
 
 def least_seen(weighed: Weighed, gates: Gates, known: Mask) -> dict[str, FloatArray]:
     """(robots, p) by key of a term, coordinates from which on it would have been seen; NaN: none.
 
     Of a limit (infinite null) its value, below which it is seen.
     """
-    need = np.sqrt(gates.cause) + SURELY
+    need = np.sqrt(gates.cause) + weighed.state.rules.surely
     found: dict[str, FloatArray] = {}
     place = weighed.score(SWARM).information
     for k in range(len(weighed.state.robots)):

@@ -16,10 +16,6 @@ from realitygap.models.identify.hypothesis import Term
 from realitygap.models.naming.fitter import Fitter, Refined
 from realitygap.models.naming.state import SWARM
 
-INFLATION = 20.0
-"""Factor on a term's variance at which the other may stand in its place: a correlation of 0.975.
-Runs of two minutes that wander have 4 at most, real robots' circles 29."""
-
 
 def inseparable(
     fitter: Fitter, terms: Sequence[Term], fit: Refined, term: Term
@@ -50,7 +46,7 @@ def inseparable(
         ):
             continue
         each = fitter.by_run(item.columns[0])
-        if alone > INFLATION * _left(own, np.hstack([given, each])):
+        if alone > fitter.state.rules.inflation * _left(own, np.hstack([given, each])):
             found.append(other)
     return tuple(found)
 

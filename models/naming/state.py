@@ -10,9 +10,10 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.naming.columns import Item
 from realitygap.models.naming.health import Health
 from realitygap.models.naming.subject import Subject
+from realitygap.models.rules import Rules
 
 SWARM = -1
-"""Scope of what all robots share; others are indices of robots."""
+"""Scope of what all robots share; others are indices of robots. No rule: a name."""
 
 
 class Kept(NamedTuple):
@@ -41,6 +42,11 @@ class State:
     share."""
     refused: frozenset[tuple[int, str]] = frozenset()
     """Scopes with keys of items that are not kept there."""
+
+    @property
+    def rules(self) -> Rules:
+        rules: Rules = self.tracks.rules
+        return rules
 
     @property
     def items(self) -> tuple[Item, ...]:

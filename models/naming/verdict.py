@@ -15,9 +15,6 @@ from realitygap.models.naming.findings import Evidence, Follows, Named
 from realitygap.models.naming.fitter import Fitter, Refined
 from realitygap.models.naming.marginal import freed
 from realitygap.models.naming.search import (
-    LEAST_SWARM,
-    MARGIN,
-    PRICE,
     contenders,
     fitted_with,
     offers,
@@ -28,19 +25,7 @@ from realitygap.models.naming.separable import inseparable
 from realitygap.models.naming.state import SWARM, Kept, State, with_kept
 from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates
-
-ERRORS = 3.0
-"""Standard errors, over blocks, by which a rival must be worse."""
-CLEARLY = 0.2
-"""Of a cause's gain that a rival may not miss, however few blocks it is lost in."""
-BESIDE = 0.5
-"""Of the gain of what is unknown in a robot that a name beside it needs: what half describes the
-unknown would be named, too. Our choice."""
-AGAIN = 2
-"""Times that a log is searched again at most. Our choice."""
-MENDED = 0.05
-"""Of the named causes' gain that what follows a quantity must exceed, and that a further cause of
-the same family must take off: no model of a cause is exact."""
+from realitygap.models.rules import Rules
 
 
 class Judged(NamedTuple):
@@ -54,7 +39,7 @@ class Judged(NamedTuple):
 def settle(state: State, gates: Gates, known: Mask) -> tuple[State, dict[int, Judged]]:
     """The state with its causes judged, searched again where one taken early turned out to be
     superfluous: what was taken beside it answered to what it left."""
-    for again in reversed(range(AGAIN + 1)):
+    for again in reversed(range(state.rules.again + 1)):
         misled, found = False, {}
         for scope in sorted(state.kept):
             before = sum(one.item.term is not None for one in state.of(scope))
@@ -84,9 +69,9 @@ def judge(state: State, scope: int, gates: Gates) -> tuple[State, Judged]:
             rest = [*causes[:k], *causes[k + 1 :]]
             without = fitter.fit([o.item.of for o in rest], [o.coordinates for o in rest])
             lost = np.inf if without is None else without.square - fit.square
-            gains.append(lost - PRICE * (len(one.coordinates) - 1))
+            gains.append(lost - state.rules.price * (len(one.coordinates) - 1))
         weakest = int(np.argmin(gains))
-        if gains[weakest] >= _needed(causes, gains, weakest, gates):
+        if gains[weakest] >= _needed(causes, gains, weakest, gates, state.rules):
             fitted = iter(fit.coordinates)
             moved = [
                 one if one.item.term is None else one._replace(coordinates=next(fitted))
@@ -102,7 +87,9 @@ def _at(state: State, scope: int, kept: list[Kept]) -> State:
     return replace(state, kept={**state.kept, scope: tuple(kept)})
 
 
-def _needed(causes: Sequence[Kept], gains: Sequence[float], k: int, gates: Gates) -> float:
+def _needed(
+    causes: Sequence[Kept], gains: Sequence[float], k: int, gates: Gates, rules: Rules
+) -> float:
     """Gain that a cause needs beside the others."""
     own = causes[k].item.of.cause.family
     kin = [
@@ -110,7 +97,7 @@ def _needed(causes: Sequence[Kept], gains: Sequence[float], k: int, gates: Gates
         for one, g in zip(causes, gains, strict=True)
         if one is not causes[k] and own and one.item.of.cause.family == own
     ]
-    return max(gates.cause, MENDED * max(kin, default=0.0))
+    return max(gates.cause, rules.mended * max(kin, default=0.0))
 
 
 def evidence_of(
@@ -122,31 +109,31 @@ def evidence_of(
     known: Mask,
 ) -> Evidence:
     """What speaks for one cause, and what could stand in its place."""
-    term, gain = judged.terms[k], judged.gains[k]
+    term, gain, rules = judged.terms[k], judged.gains[k], weighed.state.rules
     fitter = Fitter(weighed, scope)
     rest = [t for t in judged.terms if t is not term]
     others = [c for t, c in zip(judged.terms, judged.fit.coordinates, strict=True) if t is not term]
     score = fitter.scores(rest, others)
     listed = [
         one
-        for one in offers(score, possible(weighed.state, scope), known)
+        for one in offers(score, possible(weighed.state, scope), known, rules)
         if one.item.term is not None
         and one.item.term.cause.name not in {t.cause.name for t in judged.terms}
     ]
     rivals, tried = [], {term.key: gain}
     losses = fitter.losses(judged.terms, judged.fit.coordinates)
-    for offer in contenders(listed, gain):
+    for offer in contenders(listed, rules, gain):
         other = offer.item.of
         fit = fitted_with(fitter, rest, others, offer)
         if fit is None:
             continue
         lost = fit.square - judged.fit.square
-        price = PRICE * (len(other.cause.parameters) - len(term.cause.parameters))
+        price = rules.price * (len(other.cause.parameters) - len(term.cause.parameters))
         tried[other.key] = gain - lost - price
         change = fitter.by_block(fitter.losses([*rest, other], fit.coordinates) - losses)
         bends = len(other.cause.parameters) > len(term.cause.parameters)
         # one that can bend further is no rival for doing nearly as well
-        if lost + price <= (0.0 if bends else _margin(change, gain)):
+        if lost + price <= (0.0 if bends else _margin(change, gain, rules)):
             rivals.append(other)
     rivals += [t for t in inseparable(fitter, judged.terms, judged.fit, term) if t not in rivals]
     return Evidence(
@@ -161,12 +148,12 @@ def evidence_of(
     )
 
 
-def _margin(change: FloatArray, gain: float) -> float:
+def _margin(change: FloatArray, gain: float, rules: Rules) -> float:
     """Deviance by which a rival may be worse, given (blocks,) by how much each block is."""
     if not len(change):
-        return MARGIN
+        return rules.odds
     error = float(np.sqrt(np.sum((change - change.mean()) ** 2)))
-    return max(MARGIN, min(ERRORS * error, CLEARLY * gain))
+    return max(rules.odds, min(rules.errors * error, rules.clearly * gain))
 
 
 def following(weighed: Weighed, scope: int, named: float, gates: Gates) -> list[Follows]:
@@ -181,14 +168,14 @@ def following(weighed: Weighed, scope: int, named: float, gates: Gates) -> list[
         at = list(item.columns)
         own, pull = score.information[np.ix_(at, at)], score.slope[at]
         gain = float(pull @ np.linalg.lstsq(own, pull, rcond=None)[0])
-        if gain <= max(gates.flexible, MENDED * named):
+        if gain <= max(gates.flexible, state.rules.mended * named):
             continue
         found.append(
             Follows(
                 channel=item.channel,
                 quantity=item.quantity,
                 robots=tuple(state.tracks.robots[k] for k in members),
-                whole_swarm=scope == SWARM and len(state.robots) >= LEAST_SWARM,
+                whole_swarm=scope == SWARM and len(state.robots) >= state.rules.least_swarm,
                 distance=float(np.sqrt(gain)),
                 gain=gain,
                 share=gain / max(score.square, gain),
@@ -197,7 +184,7 @@ def following(weighed: Weighed, scope: int, named: float, gates: Gates) -> list[
     return found
 
 
-def standing(named: list[Named], follows: list[Follows]) -> list[Named]:
+def standing(named: list[Named], follows: list[Follows], rules: Rules) -> list[Named]:
     """Names that are not much weaker than something unknown in their robots.
 
     What a whole swarm shares may be in one robot more than in others, up to all of it.
@@ -209,5 +196,5 @@ def standing(named: list[Named], follows: list[Follows]) -> list[Named]:
     return [
         one
         for one in named
-        if one.evidence.gain > BESIDE * max(unknown.get(robot, 0.0) for robot in one.robots)
+        if one.evidence.gain > rules.beside * max(unknown.get(robot, 0.0) for robot in one.robots)
     ]

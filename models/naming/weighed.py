@@ -27,7 +27,7 @@ class Weighed:
     def __init__(self, state: State) -> None:
         self.state = state
         names = state.robots[0].names
-        self.prior, common = state.health.on(names)
+        self.prior, common = state.health.on(names, state.rules)
         recorded = np.array([state.unsure.get(name, 0.0) for name in names])
         self._shared: FloatArray = np.hypot(common, recorded)
         self.alone = [self._alone(k) for k in range(len(state.robots))]
@@ -115,7 +115,7 @@ def _feigning(prior: Prior, state: State, k: int) -> Prior:
     extra = np.zeros(len(prior.at))
     for cause in rough:
         for i, c in enumerate(prior.at):
-            feigned = cause.feigns.get(names[c].partition(".")[0].partition("/")[0], 0.0)
-            if "." in names[c]:
-                extra[i] += feigned**2
+            called = names[c]
+            key = called.partition(".")[0].partition("/")[0] if "." in called else called
+            extra[i] += cause.feigns.get(key, 0.0) ** 2
     return prior._replace(root=root_of(prior.root @ prior.root.T + np.diag(extra)))

@@ -22,10 +22,8 @@ from realitygap.models.conditions import NEAR_ROBOT, NEAR_WALL
 from realitygap.models.information import inverted
 
 SECONDS = 120.0
-"""s of a proposed run: as long as the logs that the diagnosis is made for."""
-ENOUGH = 8.0
-"""Standard deviations that a proposed manoeuvre must promise. Our choice: a deviance of 64, ten
-times the margin by which a rival is dropped: blocks of a log differ more than noise says."""
+"""s of a proposed run: as long as the logs that the diagnosis is made for. No rule: the
+menu's."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,10 +69,9 @@ class Proposal:
         """The same, with what it does."""
         return MENU[self.best.name]
 
-    @property
-    def promising(self) -> bool:
-        """Whether it will do."""
-        return self.best.separation >= ENOUGH
+    def promises(self, least: float) -> bool:
+        """Whether it will do: rivals are so many standard deviations apart."""
+        return self.best.separation >= least
 
 
 def flights(robots: int, model: PointModel) -> list[Flight]:

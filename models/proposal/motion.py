@@ -16,18 +16,19 @@ from realitygap.models.identify.examination import Examination
 from realitygap.models.identify.fit import Problem
 from realitygap.models.identify.hypothesis import Fit, Term, Terms
 from realitygap.models.identify.predict import poses, wheel_angles
-from realitygap.models.identify.tracks import LEAST_ROWS, WINDOW, Tracks
+from realitygap.models.identify.tracks import LEAST_ROWS, Tracks
 from realitygap.models.identify.twins import TICK
 from realitygap.models.naming.findings import Named
 from realitygap.models.proposal.menu import Flight, Proposal, distance, flights, ranked
 from realitygap.models.schema import ENCODERS
 
 ENCODER_NOISE = TICK / CONTROL_STEP / np.sqrt(6.0)
-"""rad/s; a speed is the difference of two rounded angles."""
+"""rad/s; a speed is the difference of two rounded angles. No rule: of the sensor."""
 
 
 OPEN = 10.0
-"""By which a coordinate may move where the log is forgotten: any size of any cause."""
+"""By which a coordinate may move where the log is forgotten: any size of any cause. No rule: as
+good as free."""
 
 
 def propose(examined: Examination, named: Named) -> Proposal | None:
@@ -123,7 +124,7 @@ def _tracks(
     index = np.arange(len(where) * steps)
     robot, step = np.divmod(index, steps)
     free = flight.clear[:, where].T.ravel()
-    length = round(WINDOW / CONTROL_STEP)
+    length = round(log.rules.window / CONTROL_STEP)
     cell = robot * (steps // length + 1) + step // length
     rows = index[free & (np.bincount(cell, free)[cell] >= LEAST_ROWS)]
     if not len(rows):
@@ -144,6 +145,7 @@ def _tracks(
         columns=(),
         noise=log.noise,
         part=np.zeros(len(index), dtype=np.int64),
+        rules=log.rules,
     )
 
 

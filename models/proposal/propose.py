@@ -27,7 +27,7 @@ def with_proposal(examined: WholeExamination, tables: Tables | None) -> WholeExa
         if not alternatives(one):
             continue
         proposal = _proposal(examined, one, model)
-        if proposal is not None and proposal.promising:
+        if proposal is not None and proposal.promises(found.rules.promising):
             return replace(examined, diagnosis=replace(found, proposal=proposal))
         said.append(_no_help(one, proposal))
     missed = (*found.not_checked, *said)
@@ -37,7 +37,7 @@ def with_proposal(examined: WholeExamination, tables: Tables | None) -> WholeExa
 def _proposal(examined: WholeExamination, named: Named, model: PointModel) -> Proposal | None:
     if not isinstance(named.term.cause, SenseCause):
         return motion.propose(examined, named)
-    return senses.propose(examined.senses, named, model)
+    return senses.propose(examined.senses, named, model, examined.diagnosis.rules)
 
 
 def _no_help(named: Named, proposal: Proposal | None) -> str:

@@ -16,6 +16,7 @@ from realitygap.models.naming.fitter import Fitter
 from realitygap.models.naming.state import SWARM
 from realitygap.models.naming.weighed import Weighed
 from realitygap.models.proposal.menu import Flight, Proposal, distance, flights, ranked
+from realitygap.models.rules import Rules
 from realitygap.models.senses.cause import Belief, SenseCause
 from realitygap.models.senses.diagnose import SenseExamination
 from realitygap.models.senses.identify import SensesFound
@@ -28,11 +29,8 @@ from realitygap.models.senses.sight import BLOCK_SECONDS, Sight, lamp_in_sight
 from realitygap.models.senses.terms import columns_of
 
 STRIDE = 5
-"""Control steps from one row looked at to the next."""
+"""Control steps from one row looked at to the next. No rule: it bounds the work."""
 DARK = SCENARIOS.index("none")
-OF_ROBOTS = 0.25
-"""Relative standard deviation of one infrared reading of another robot about the table's: noise
-(0.14) and the edge of a round body."""
 ONLY_ROBOTS_TELL = {"ir_gain", "wall_albedo"}
 """Causes that readings of the wall cannot separate."""
 
@@ -49,13 +47,16 @@ class _Believed(NamedTuple):
     """(p, p)."""
 
 
-def propose(senses: SenseExamination, named: Named, model: PointModel) -> Proposal | None:
+def propose(
+    senses: SenseExamination, named: Named, model: PointModel, rules: Rules
+) -> Proposal | None:
     """The manoeuvres that separate an ambiguous cause from its rivals; None: none can be flown.
 
     Args:
         senses: The log's.
         named: One of its causes in the senses, with alternatives.
         model: What is believed, with sensor tables where sensors were judged.
+        rules: What naming is tuned to.
     """
     rivals = tuple(named.evidence.rivals)
     separates = (named.term.cause.name, *dict.fromkeys(t.cause.name for t in rivals))
@@ -72,7 +73,7 @@ def propose(senses: SenseExamination, named: Named, model: PointModel) -> Propos
             far = [_edges_apart(flight, own, rival, model) for rival in others]
         else:
             assert senses.sight is not None
-            far = [_apart(senses.sight, flight, model, own, rival) for rival in others]
+            far = [_apart(senses.sight, flight, model, own, rival, rules) for rival in others]
         separations[flight.probe.name] = far
     return Proposal(separates=separates, options=ranked(separations)) if separations else None
 
@@ -114,14 +115,14 @@ def _believed(found: SensesFound, named: Named) -> list[_Believed]:
 
 
 def _apart(
-    log: Sight, flight: Flight, model: PointModel, own: _Believed, rival: _Believed
+    log: Sight, flight: Flight, model: PointModel, own: _Believed, rival: _Believed, rules: Rules
 ) -> float:
     """Separation in readings, the smaller of either being true."""
     sight = _sight(flight, log, model)
     if {own.term.cause.name, rival.term.cause.name} == ONLY_ROBOTS_TELL:
         size = abs(float(own.coordinates[0]))
         number = _seen_of_robots(sight, model)
-        return float(size * np.sqrt(number) / OF_ROBOTS)
+        return float(size * np.sqrt(number) / rules.of_robots)
     found = []
     for truth, asked in ((own, rival), (rival, own)):
         told = replace(sight, read=predict(sight, model, truth.beliefs))
@@ -180,6 +181,7 @@ def _sight(flight: Flight, log: Sight, model: PointModel) -> Sight:
         free=free & read,
         block=np.unique(block, return_inverse=True)[1],
         neighbours=neighbours,
+        rules=log.rules,
         commanded=np.zeros((len(who), 2)),  # only what is unexplained looks at it
     )
 

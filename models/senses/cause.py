@@ -37,10 +37,6 @@ Sensing = Callable[[Belief, FloatArray, str], Belief]
 Leaps = Callable[[], list[FloatArray]]
 
 
-CHANNEL_OF = {"noise": "ps", "both": "ps"}
-"""Channel of the kinds that are not called by it."""
-
-
 def nowhere() -> list[FloatArray]:
     """No leaps."""
     return []
@@ -67,9 +63,10 @@ class SenseCause(Cause):
     """Readings of a wall that is near bend within a degree and a millimetre."""
 
     def __post_init__(self) -> None:
-        """All that shows in one channel is of one family: no model of one is exact."""
-        if not self.family:
-            object.__setattr__(self, "family", CHANNEL_OF.get(self.kind, self.kind))
+        """All that changes a lamp's light is of one family: what is left of one that is not quite
+        exact looks like another."""
+        if self.kind == "ls":
+            object.__setattr__(self, "family", "light")
 
     def believed(self, belief: Belief, coordinates: FloatArray, variant: str = ALL) -> Belief:
         """The belief with this cause at the given coordinates, kept within bounds."""

@@ -29,6 +29,7 @@ from realitygap.models.identify.fitted import Values
 from realitygap.models.modelfile import ModelFile
 from realitygap.models.naming.findings import Named
 from realitygap.models.prediction import judged_readings
+from realitygap.models.rules import Rules
 from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.diagnose import SenseExamination
 from realitygap.models.senses.nest import Answers
@@ -39,7 +40,7 @@ from realitygap.models.written import written
 READINGS = {"infrared_reading": "ps", "light_reading": "ls"}
 """Of `gain` in `diagnosis.json`, the kind of sensor that each is of."""
 MEAN_SIZE = (2.0 / math.pi) ** 0.5
-"""Mean size of a standard normal variable."""
+"""Mean size of a standard normal variable. No rule: of statistics."""
 NEST = "nest_answer"
 NOISE = "ir_noise"
 
@@ -194,12 +195,17 @@ def half(errors: FloatArray, name: str) -> FloatArray:
 
 
 def sense_claims(
-    senses: SenseExamination, model: ModelFile, tables: Tables | None, *, seed: int
+    senses: SenseExamination,
+    model: ModelFile,
+    tables: Tables | None,
+    rules: Rules = Rules(),
+    *,
+    seed: int,
 ) -> tuple[tuple[Named, ...], tuple[Unexplained, ...], dict[str, Gain]]:
     """Names with whether they are exported, what ended at a bound, and the gain in readings."""
     inside, ended = bounded(senses.named)
     predictions = SensePredictions(senses, model, inside, tables)
-    refused = harmless(predictions)
+    refused = harmless(predictions, rules)
     named = tuple(
         replace(one, exported=k not in refused, why=refused.get(k, ""))
         for k, one in enumerate(inside)

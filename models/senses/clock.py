@@ -23,15 +23,14 @@ from realitygap.models.naming.health import Health
 from realitygap.models.naming.marginal import EMPTY, Prior, freed, integrated, root_of
 from realitygap.models.naming.threads import one_thread
 from realitygap.models.reference import Column
+from realitygap.models.rules import Rules
 from realitygap.models.senses.robot import LATE, SenseRobot
 
 TWINS = ("clock_offset", "command_latency")
 TURNED = ("ir_rotation.angle",)
 """A turned ring or marker is no shift in time: it is free beside it."""
-CLEARLY = 9.0
-"""Deviance by which one twin must explain the sensors better: three standard deviations."""
 LEAST_ERROR = 0.001
-"""s: the sensors are never taken to tell a shift more closely."""
+"""s: the sensors are never taken to tell a shift more closely. No rule: it keeps a ratio finite."""
 
 
 class Shift(NamedTuple):
@@ -48,7 +47,7 @@ def shifts(robots: Sequence[SenseRobot], health: Health) -> Shift:
     """Each robot's shift beside a turn of its ring, everything that healthy robots differ in
     integrated out."""
     names = robots[0].names
-    prior, _ = health.on(names)
+    prior, _ = health.on(names, robots[0].rules)
     seconds, error = np.full(len(robots), np.nan), np.full(len(robots), np.inf)
     if LATE not in names:
         return Shift(seconds, error)
@@ -68,7 +67,11 @@ def shifts(robots: Sequence[SenseRobot], health: Health) -> Shift:
 
 
 def told_apart(
-    one: Named, robots: Sequence[int], shift: Shift, healthy: Column | None
+    one: Named,
+    robots: Sequence[int],
+    shift: Shift,
+    healthy: Column | None,
+    rules: Rules = Rules(),
 ) -> Named | Unexplained:
     """A name of motion with the sensors' word on which of the twins it is, or what is neither.
 
@@ -77,6 +80,7 @@ def told_apart(
         robots: Ids, in the order of `shift`.
         shift: Of poses against the readings.
         healthy: The same of healthy robots; None: it was not measured, and sensors say nothing.
+        rules: How clearly they must say it.
     """
     twin = next((name for name in TWINS if name != one.term.cause.name), "")
     if healthy is None or one.term.cause.name not in TWINS:
@@ -86,9 +90,9 @@ def told_apart(
         return one
     late, in_time = seen
     against = late - in_time if one.term.cause.name == "clock_offset" else in_time - late
-    if against < -CLEARLY:
+    if against < -rules.clocks:
         return _alone(one)
-    if against < CLEARLY:
+    if against < rules.clocks:
         return one
     if withheld(twin):
         return _neither(one)

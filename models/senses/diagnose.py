@@ -15,12 +15,13 @@ from realitygap.models.held_out import parts
 from realitygap.models.identify.fitted import Values
 from realitygap.models.log import MeasuredLog
 from realitygap.models.naming.findings import Named
+from realitygap.models.rules import Rules
 from realitygap.models.schema import LS, POSE, PS
 from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.causes import sense_causes
 from realitygap.models.senses.detectable import detectable_in
 from realitygap.models.senses.identify import SensesFound, by_part, identify
-from realitygap.models.senses.leap import far_lamps
+from realitygap.models.senses.leap import elsewhere, far_lamps
 from realitygap.models.senses.leftover import leftover
 from realitygap.models.senses.nest import Answers, answers
 from realitygap.models.senses.reference import SenseReference, no_sense_reference
@@ -68,6 +69,7 @@ def diagnose_senses(
     seen: Mapping[int, tuple[Motion, Motion]] | None = None,
     moved: Mapping[int, Motion] | None = None,
     alike: bool = True,
+    rules: Rules = Rules(),
 ) -> SenseExamination:
     """Say what is wrong with the senses of the robots of a log.
 
@@ -79,6 +81,7 @@ def diagnose_senses(
         seen: As for `look`: robots whose markers motion has found askew.
         moved: As for `look`: robots in whose motion something was named.
         alike: Whether the log was recorded as those of the reference were.
+        rules: What naming is tuned to.
     """
     healthy = no_sense_reference("") if reference is None else reference
     missing = _missing(log, model, reference)
@@ -90,11 +93,16 @@ def diagnose_senses(
     judged = model.tables is not None and any(name in log.frame for name in (*PS, *LS))
     if not judged and told is None:
         return SenseExamination(not_checked=tuple(missing))
-    sight = look(log, model, seen, moved=moved) if judged else None
-    robots = sense_log(stood, model, healthy, sight, part, believed or {})
+    sight = look(log, model, seen, moved=moved, rules=rules) if judged else None
+    robots = sense_log(stood, model, healthy, sight, part, believed or {}, rules)
     late = {} if alike else {LATE: log.step}
     own = _believed(robots.robots, model, believed or {})
-    found = identify(robots, healthy, own, unsure=late)
+    begun = None
+    if sight is not None:
+        begun = elsewhere(
+            sight, model, _believed(sight.robots, model, believed or {}), robots.doses
+        )
+    found = identify(robots, healthy, own, unsure=late, begun=begun)
     missing += _uncrossed(found)
     missing += unmeasured(found.state.robots[0].names, found.state.items, healthy)
     return SenseExamination(
@@ -128,13 +136,20 @@ def sense_log(
     sight: Sight | None,
     part: Rows,
     believed: Mapping[int, Belief],
+    rules: Rules = Rules(),
 ) -> SenseLog:
     """A log as the senses are judged by it, with the lamps that may stand somewhere else."""
     doses: Doses = {}
     if sight is not None:
         doses = far_lamps(sight, model, _believed(sight.robots, model, believed))
     return SenseLog(
-        log, model, sight, of_log=part, doses=doses, robots_seen=TARGETS in healthy.columns
+        log,
+        model,
+        sight,
+        of_log=part,
+        doses=doses,
+        robots_seen=TARGETS in healthy.columns,
+        rules=rules,
     )
 
 

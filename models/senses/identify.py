@@ -15,9 +15,9 @@ from realitygap.models.identify.value import values
 from realitygap.models.naming.columns import Mask
 from realitygap.models.naming.findings import Follows, Named
 from realitygap.models.naming.fitter import Fitter
-from realitygap.models.naming.search import LEAST_SWARM, search
+from realitygap.models.naming.search import search
 from realitygap.models.naming.seen import away, least_seen
-from realitygap.models.naming.state import SWARM, State
+from realitygap.models.naming.state import SWARM, Kept, State, with_kept
 from realitygap.models.naming.subject import Subject
 from realitygap.models.naming.threads import one_thread
 from realitygap.models.naming.verdict import Judged, evidence_of, following, settle, standing
@@ -55,6 +55,7 @@ def identify(
     believed: Sequence[Belief],
     *,
     unsure: Mapping[str, float] | None = None,
+    begun: tuple[Term, FloatArray] | None = None,
 ) -> SensesFound:
     """Name what is wrong with the senses of the whole swarm, of each robot, and with the place.
 
@@ -63,13 +64,19 @@ def identify(
         reference: What healthy robots do.
         believed: Of each robot.
         unsure: As of `State`.
+        begun: A cause of the place, with its coordinates, that the search begins with.
     """
     base = tuple(believed)
     robots = tuple(log.at(range(len(base)), base))
     start = State(log, base, robots, reference.learned, unsure=unsure or {})
+    if begun is not None:
+        term, place = begun
+        item = next(one for one in start.items if one.term == term and one.dose is None)
+        start = with_kept(start, SWARM, [Kept(item, place)])
     known = reference.knows(start.robots[0].names)
     windows = sum(one.learned for one in robots)
-    gates = reference.gates.of(windows) if windows else reference.gates
+    gates = reference.gates.under(log.rules)
+    gates = gates.of(windows) if windows else gates
     state, found = settle(search(start, gates, known), gates, known)
     named: list[Named] = []
     follows: list[Follows] = []
@@ -78,7 +85,7 @@ def identify(
         named += _named(state, scope, judged, known)
     weighed = Weighed(state)
     return SensesFound(
-        named=tuple(standing(named, follows)),
+        named=tuple(standing(named, follows, log.rules)),
         follows=tuple(follows),
         state=state,
         judged=found,
@@ -101,7 +108,7 @@ def _named(state: State, scope: int, judged: Judged, known: Mask) -> list[Named]
         evidence = evidence_of(weighed, scope, judged, k, covariance, known)
         none = np.zeros(len(term.cause.parameters))
         own = values(term, evidence.coordinates, covariance, NO_COMMANDS, none, none)
-        shared = scope == SWARM and len(state.robots) >= LEAST_SWARM
+        shared = scope == SWARM and len(state.robots) >= state.rules.least_swarm
         found.append(
             Named(
                 term=term,

@@ -69,8 +69,9 @@ def with_senses(
         seen=_askew(examined),
         alike=examined.identified.alike,
         moved=_moved(examined),
+        rules=found.rules,
     )
-    named, ended, gain = sense_claims(senses, model, tables, seed=seed)
+    named, ended, gain = sense_claims(senses, model, tables, found.rules, seed=seed)
     joined = replace(
         found,
         named=(*found.named, *named),
@@ -101,12 +102,14 @@ def _clocks_told_apart(
     explained = dict(zip(examined.tracks.robots, identified.explained, strict=True))
     told: list[Named | Unexplained] = list(found.named)
     if set(names) & set(TWINS):
-        robots = SenseLog(log, model, look(log, model), of_log=parts(log))
+        robots = SenseLog(
+            log, model, look(log, model, rules=found.rules), of_log=parts(log), rules=found.rules
+        )
         common = Belief(senses=model.senses)
         base = [believed.get(robot, common) for robot in robots.robots]
         shift = shifts(robots.at(range(len(base)), base), healthy.learned)
         late = healthy.columns.get(LATE) if healthy.robots else NEVER
-        told = [told_apart(o, robots.robots, shift, late) for o in found.named]
+        told = [told_apart(o, robots.robots, shift, late, found.rules) for o in found.named]
         for old, new in zip(found.named, told, strict=True):
             if isinstance(new, Named):
                 swap = {robot: swapped(explained[robot], old, new) for robot in new.robots}

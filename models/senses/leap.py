@@ -22,7 +22,9 @@ from realitygap.models.senses.sight import Sight
 from realitygap.models.senses.terms import Doses, applied, sense_terms
 
 MOMENTS = 1000
-"""Rows whose light chooses among places; all of them judge what is chosen. Our choice."""
+"""Rows whose light chooses among places; all of them judge what is chosen. Our choice.
+No rule, as all numbers here: they say from where fits begin; the mixed model judges where these
+end."""
 DIM = 10.0
 """counts of light, below which it differs by noise alone."""
 ROUGHLY = 0.3
@@ -34,6 +36,9 @@ REFINED = 3
 """Places of each cause, the best, that are refined. Our choice: the nearest is among them."""
 STEP = 0.06
 """m, or share of a lamp, by which the best places are first moved: half of what lies between."""
+SURELY_ELSEWHERE = 100.0
+"""Deviance of moments by which a lamp elsewhere must tell the light better than a dimmer one: ten
+standard deviations, for the moments are not independent."""
 NEAR = 0.005
 """The same, from where the fit of all readings finds the place; a lamp's own is no more exact."""
 
@@ -58,6 +63,33 @@ def far_lamps(sight: Sight, model: PointModel, believed: Sequence[Belief]) -> Do
         if better:
             doses[term] = better
     return doses
+
+
+def elsewhere(
+    sight: Sight, model: PointModel, believed: Sequence[Belief], doses: Doses
+) -> tuple[Term, FloatArray] | None:
+    """The one lamp that tells the light best, if it stands somewhere else; None: the lamp that is
+    believed in does as well once it is as bright as it seems.
+
+    Far from where light is read to come from, errors are no longer in proportion to a dose of it.
+
+    Args:
+        sight: Of all robots.
+        model: With tables.
+        believed: Of each robot.
+        doses: By term, places that may be it.
+    """
+    seen = _Glimpse(sight, model, believed)
+    found = [(seen.loss(term, place), term, place) for term in doses for place in doses[term]]
+    if not found:
+        return None
+    best, term, place = min(found, key=lambda one: one[0])
+    dimmed = [
+        seen.refined(other, np.zeros(1))[1]
+        for other in sense_terms()
+        if other.cause.name == "lamp_intensity"
+    ]
+    return (term, place) if best + SURELY_ELSEWHERE < min(dimmed, default=seen.least) else None
 
 
 class _Glimpse:

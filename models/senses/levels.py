@@ -17,16 +17,17 @@ from realitygap.models.senses.readings import Readings
 from realitygap.models.senses.sight import Sight
 
 MIDDLE = 0.4549
-"""Median of the square of a standard normal variable."""
+"""Median of the square of a standard normal variable. No rule: of statistics."""
 OF_SCALE, OF_MEDIAN = 1.17, 1.2533
 """Standard errors of the logarithm of a median absolute deviation, and of a median, times the
-square root of the number."""
+square root of the number. No rule: of statistics."""
 SQUARE = 0.7
-"""Of a robot's radius within which a ray surely meets it."""
+"""Of a robot's radius within which a ray surely meets it. No rule: of its round shape."""
 LEAST_LEVEL = 1e-3
-"""Least standard error of a logarithm: a whole number of counts of a thousand is no closer."""
+"""Least standard error of a logarithm: whole counts of a thousand are no closer.
+No rule: of rounding."""
 TOUCHING = 0.002
-"""m nearer than which a robot is not where the tracker's noise has it."""
+"""m nearer than which a robot is not where the tracker's noise has it. No rule: of trackers."""
 
 
 class Level:

@@ -16,11 +16,12 @@ Rows = npt.NDArray[np.int64]
 
 TALLEST = 0.085
 """m: the upper end of an e-puck with its extension board (0.075 m) and a margin; light that passes
-above throws no shadow."""
+above throws no shadow. No rule: of the body."""
 MARGIN = 0.012
-"""m around a body that a ray must miss by: the ring of sensors may be turned by some degrees."""
+"""m around a body that a ray must miss by: the ring of sensors may be turned by some degrees.
+No rule: of the body."""
 FAR = 1e6
-"""m: where a robot that was not seen at a moment is put."""
+"""m: where a robot that was not seen at a moment is put. No rule: as good as infinite."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,8 @@ from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.sight import BLOCK_SECONDS, Rows
 
 SURELY_SEEN = 1e-4
-"""m: least error of where a robot crossed the nest's edge; the poses are the sensor's own."""
+"""m: least error of where a robot crossed the nest's edge; the poses are the sensor's own.
+No rule: it keeps a ratio finite."""
 
 
 class Answers(NamedTuple):

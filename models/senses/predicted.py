@@ -14,16 +14,17 @@ from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.sight import Bools, Rows, Sight
 
 UNIFORM = 3.0**-0.5
-"""Standard deviation of a uniform variable relative to its half width."""
+"""Standard deviation of a uniform variable relative to its half width. No rule: of statistics."""
 TELLING = 20.0
 """counts that must be expected for an infrared reading to tell of noise: five times what a reading
-of nothing scatters."""
+of nothing scatters. No rule: of the sensor."""
 LEAST_TELLING = 60
-"""Such readings from which a scale is told."""
+"""Such readings from which a scale is told. No rule: fewer do not tell a scatter to a tenth."""
 NORMAL = 1.4826
-"""Standard deviations of a normal variable in its median absolute one."""
+"""Standard deviations of a normal variable in its median absolute one. No rule: of statistics."""
 TABLE_ERROR = 0.01
-"""Relative standard deviation of what a captured table and its interpolation get wrong."""
+"""Relative standard deviation of what a captured table and its interpolation get wrong.
+No rule: of the tables."""
 
 
 def predict(

@@ -31,14 +31,14 @@ QUANTITIES = {
 }
 """In words."""
 
-NEAR = 0.1
-"""m: scale on which nearness to robots counts."""
 SPOT, SPACING = 0.12, 0.24
-"""m: width of a point's surroundings, and how far apart points are tried."""
+"""m: width of a point's surroundings, and how far apart points are tried. No rule: which
+columns there are."""
 LONGEST, FASTEST, SLOWEST = 120.0, 24, 3
-"""s, and the numbers of swings in it that are tried: periods of 5 to 40 s."""
+"""s, and the numbers of swings in it that are tried: periods of 5 to 40 s.
+No rule: which columns there are."""
 DIM = 10.0
-"""counts below which readings differ by noise alone."""
+"""counts below which readings differ by noise alone. No rule: of the sensor."""
 
 Key = tuple[str, str]
 """Quantity, and which of its functions."""
@@ -68,7 +68,9 @@ def of_rows(sight: Sight, model: PointModel) -> dict[Key, FloatArray]:
     place = sight.neighbours.place
     if place.shape[1] > 1:
         apart = np.hypot(place[..., 0] - x[:, None], place[..., 1] - y[:, None]).min(axis=1)
-        values["neighbour", ""] = np.exp(-np.maximum(apart - 2.0 * model.body_radius, 0.0) / NEAR)
+        values["neighbour", ""] = np.exp(
+            -np.maximum(apart - 2.0 * model.body_radius, 0.0) / sight.rules.near
+        )
     for name, state in sight.states.items():
         values[name, ""] = state
     return values

@@ -19,15 +19,14 @@ from realitygap.models.senses.predicted import noise, own_noise, read
 from realitygap.models.senses.quantities import Key, of_readings, of_rows
 from realitygap.models.senses.sight import NEAREST_LAMP, Bools, Rows, Sight, too_near
 
-WINDOW = 1.0
-"""s, as in motion: in it a robot passes the few centimetres that an error of the tables is wide."""
 SPACING = {"infrared": 0.5, "light": 0.08}
 """s between the readings used where they change slowly: of infrared that sees nothing, and of all
-light, whose errors are the tables' and not noise. Our choice."""
+light, whose errors are the tables' and not noise. Our choice. No rule: it bounds the work."""
 NOTHING = 1.0
-"""counts below which infrared sees nothing: half of the noise of such a reading."""
+"""counts below which infrared sees nothing: half of the noise of such a reading. No rule: of the
+sensor."""
 LEAST_SHIFT = 1e-4
-"""m and rad by which poses are shifted at least to see what that does."""
+"""m and rad by which poses are shifted at least to see what that does. No rule: of numerics."""
 CHANGES = {"share": "by a share of what they read", "counts": "by counts"}
 """How readings may follow a quantity."""
 SWINGS = ("light", "share")
@@ -35,7 +34,8 @@ SWINGS = ("light", "share")
 KINDS = {"infrared": ("ps", "both"), "light": ("ls", "both")}
 """Kinds of causes that a channel shows."""
 REMEMBERED = 64
-"""Beliefs whose counts are kept: both channels of a robot ask for the same ones."""
+"""Beliefs whose counts are kept: both channels of a robot ask for the same ones.
+No rule: of memory."""
 
 
 class Eye:
@@ -116,7 +116,7 @@ class Readings:
         seen = counts - np.hstack([belief.senses.ps_offset, np.zeros(SENSORS)])
         told = self._picked(seen)
         self.signal = told if name == "infrared" else model.tables.ls_dark - told
-        window = np.floor(sight.time[self.row] / WINDOW).astype(np.int64)
+        window = np.floor(sight.time[self.row] / sight.rules.window).astype(np.int64)
         key = sight.run[self.row] * (window.max(initial=0) + 1) + window
         self.window = np.unique(key, return_inverse=True)[1]
         self.first = np.flatnonzero(np.diff(self.window, prepend=-1))

@@ -21,11 +21,12 @@ from realitygap.models.reference import Spreads, find_shipped
 
 DIRECTORY = Path(__file__).parents[1] / "references" / "senses"
 SCHEMA = 2
+"""Of the file. No rule."""
 ROUNDING = 1.0 / 12.0
-"""counts^2, variance of rounding to whole counts."""
+"""counts^2, variance of rounding to whole counts. No rule: of statistics."""
 ROUNDED = "ir_offset.counts"
 MANY = 10**6
-"""Robots and swarms whose spread is as good as known."""
+"""Robots and swarms whose spread is as good as known. No rule: as good as infinite."""
 
 
 class SenseReference(Spreads):

@@ -15,6 +15,7 @@ from realitygap.models.identify.hypothesis import Term
 from realitygap.models.log import MeasuredLog
 from realitygap.models.naming.columns import Item
 from realitygap.models.naming.noise import Noise, learn
+from realitygap.models.rules import Rules
 from realitygap.models.senses.cause import Belief, SenseCause
 from realitygap.models.senses.channel import Channel, Part
 from realitygap.models.senses.levels import Level, Scatter, targets
@@ -29,11 +30,13 @@ LATE = "late.seconds"
 TARGETS = "targets.level"
 """Column of what robots reflect more than walls."""
 LONG = 10**6
-"""Blocks that no run has."""
+"""Blocks that no run has. No rule: as good as infinite."""
 RIDGE_OF_NEST = 1e-3
-"""Information that columns of the nest are taken to have: less than one crossing's."""
+"""Information that columns of the nest are taken to have: less than one crossing's. No rule: as
+good as none."""
 LEAST_NEST = 1.0
-"""Of how far apart the poses about an edge are, least error of where it is taken to be crossed."""
+"""Of how far apart the poses about an edge are, least error of where it is taken to be crossed.
+No rule: of what its spread is made."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +72,10 @@ class SenseRobot:
         some = whole >= 0
         found[some] = np.unique(whole[some], return_inverse=True)[1]
         return found
+
+    @property
+    def rules(self) -> Rules:
+        return self.log.rules
 
     @property
     def learned(self) -> int:
@@ -137,6 +144,7 @@ class SenseLog:
         of_log: Rows,
         doses: Doses | None = None,
         robots_seen: bool = True,
+        rules: Rules = Rules(),
     ) -> None:
         """Prepare.
 
@@ -147,7 +155,9 @@ class SenseLog:
             of_log: (rows,) part of the log of each of its rows.
             doses: Whole ones that are tried beside the catalogue's.
             robots_seen: Whether readings of other robots count: health says what these reflect.
+            rules: What naming is tuned to.
         """
+        self.rules = rules
         self.sight, self.model, self.doses = sight, model, doses or {}
         self.robots = tuple(int(r) for r in np.unique(log.frame["robot"].to_numpy(dtype=np.int64)))
         self._part = of_log
@@ -185,7 +195,7 @@ class SenseLog:
                 continue
             made = [self._of_readings(channels[i], beliefs[i]) for i in some]
             cut = [channels[i] for i in some]
-            noise = learn(cut, [one.columns for one in made], free=0, restricted=True)
+            noise = learn(cut, [one.columns for one in made], self.rules, free=0, restricted=True)
             for i, columns, own in zip(some, made, noise, strict=True):
                 each[i].append((channels[i], columns, own))
         for i, (k, belief) in enumerate(zip(which, beliefs, strict=True)):
@@ -234,7 +244,9 @@ class SenseLog:
         for turns, word in ((1, ""), (2, " twice")):
             made.flexible("nest/edge", "bearing", f" sin{word}", per * np.sin(turns * around))
             made.flexible("nest/edge", "bearing", f" cos{word}", per * np.cos(turns * around))
-        (noise,) = learn([channel], [made.columns], free=0, least=LEAST_NEST, ridge=RIDGE_OF_NEST)
+        (noise,) = learn(
+            [channel], [made.columns], self.rules, free=0, least=LEAST_NEST, ridge=RIDGE_OF_NEST
+        )
         return [(channel, made, noise)]
 
     def _of_causes(self, channel: Channel, belief: Belief) -> Made:

@@ -20,6 +20,7 @@ from realitygap.models.causes import Motion
 from realitygap.models.held_out import parts
 from realitygap.models.log import MeasuredLog
 from realitygap.models.noise import PoseNoise, pose_noise
+from realitygap.models.rules import Rules
 from realitygap.models.senses.neighbours import Neighbours, around
 from realitygap.models.sensing import averaged_poses, measured, scenarios
 
@@ -28,7 +29,7 @@ Rows = npt.NDArray[np.int64]
 
 MOST_ROWS = 32_000
 """Rows used of a log, evenly in time: more sharpen nothing that differences between healthy robots
-and errors of the captured tables leave visible."""
+and errors of the captured tables leave visible. No rule: it bounds the work."""
 BY_ROW = (
     "time",
     "run",
@@ -45,9 +46,10 @@ BY_ROW = (
 STATES = ("food", "nest")
 """Columns of the virtual sensor."""
 BLOCK_SECONDS = 5.0
-"""s held out or resampled together."""
+"""s held out or resampled together. No rule: blocks are of five seconds everywhere."""
 NEAREST_LAMP = 0.12
-"""m from the lamp below which the captured table is too coarse: its nodes lie 5 degrees apart."""
+"""m from the lamp below which the captured table is too coarse: its nodes lie 5 degrees apart.
+No rule: of the tables."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -80,6 +82,8 @@ class Sight:
     """(rows, 2) m/s and rad/s of the wheels as commanded."""
     states: Mapping[str, FloatArray] = field(default_factory=dict)
     """(rows,) 1 where the virtual sensor says so, by column; what is not logged is absent."""
+    rules: Rules = field(default_factory=Rules)
+    """By which windows are cut, and how far neighbours matter."""
 
     @property
     def robot(self) -> Rows:
@@ -116,6 +120,7 @@ def look(
     *,
     moved: Mapping[int, Motion] | None = None,
     most: int = MOST_ROWS,
+    rules: Rules = Rules(),
 ) -> Sight:
     """Cut a log.
 
@@ -127,6 +132,7 @@ def look(
         moved: By robot, the motion found where it is not the model's: measured poses are averaged
             along it.
         most: Rows, evenly in time.
+        rules: What naming is tuned to.
     """
     plain = Motion(drive=model.drive)
     robots = {int(robot) for robot in log.segments["robot"]}

@@ -36,6 +36,7 @@ COMMANDS = (
     "diagnose",
     "gain",
     "effects",
+    "rules",
     "blind",
     "measure",
 )

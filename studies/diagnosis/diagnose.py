@@ -16,6 +16,7 @@ from realitygap.models.modelfile import ModelFile
 from realitygap.models.proposal.propose import with_proposal
 from realitygap.models.reference import Reference, read_reference, shipped_reference
 from realitygap.models.repertoire import manoeuvres
+from realitygap.models.rules import Rules
 from realitygap.models.senses.joined import WholeExamination, with_senses
 from realitygap.models.senses.reference import (
     SenseReference,
@@ -26,6 +27,7 @@ from realitygap.models.senses.reference import (
 from realitygap.studies.diagnosis.next_experiment import commands
 from realitygap.studies.diagnosis.request import Request
 from realitygap.studies.diagnosis.result import FILE, DiagnosisResult
+from realitygap.studies.diagnosis.rules import changed
 from realitygap.studies.inputs.logs import AnyLog, Log, as_log, log_hash
 from realitygap.studies.inputs.model import AnyModel, Model
 from realitygap.studies.plumbing.output import whole_directory
@@ -41,6 +43,7 @@ def diagnose(
     model: AnyModel = None,
     reference: Path | str | None = None,
     without: Sequence[str] = (),
+    rules: Rules = Rules(),
     seed: int = 0,
     out: Path | str | None = None,
     force: bool = False,
@@ -53,6 +56,7 @@ def diagnose(
         model: What the robots' simulators believe; that of the log, or the e-puck, if absent.
         reference: Healthy reference (JSON), or "none"; the shipped one of the model if absent.
         without: Causes of the catalogue to do without, as if unknown.
+        rules: What naming is tuned to; `rules()` lists it.
         seed: Of the resampling.
         out: Directory to write everything into as well, as `write` does; claimed before any work.
         force: Replace a diagnosis that is there.
@@ -79,14 +83,16 @@ def diagnose(
             seed=seed,
             without=tuple(without),
         )
-        found = _result(request, read, _examined(request, read, begin))
+        found = _result(request, read, _examined(request, read, rules, begin))
         if part is not None:
             begin("writing the report")
             found.keep(part)
     return found
 
 
-def _examined(request: Request, log: Log, begin: Callable[[str], None]) -> WholeExamination:
+def _examined(
+    request: Request, log: Log, rules: Rules, begin: Callable[[str], None]
+) -> WholeExamination:
     """All that is said about a log."""
     model, measured, seed = log.model, log.measured, request.seed
     scripted = manoeuvres(measured)
@@ -94,7 +100,9 @@ def _examined(request: Request, log: Log, begin: Callable[[str], None]) -> Whole
     senses = _sense_reference(request.reference, model.file, scripted)
     with withholding(request.without):
         begin("motion")
-        motion = diagnose_motion(measured, model.file, healthy, seed=seed, name=model.label)
+        motion = diagnose_motion(
+            measured, model.file, healthy, rules=rules, seed=seed, name=model.label
+        )
         begin("senses")
         examined = with_senses(motion, measured, model.tables, senses, seed=seed)
         begin("the next experiment")
@@ -106,6 +114,8 @@ def _result(request: Request, log: Log, examined: WholeExamination) -> Diagnosis
     """What is told of it."""
     found = examined.diagnosis
     content = as_json(found) | {"inputs": _inputs(request), "versions": versions()}
+    if other := changed(found.rules):
+        content["rules"] = other
     following: tuple[str, ...] = ()
     if found.proposal is not None:
         following = commands(found.proposal, request, log.measured)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from realitygap.embedded_sim.probes import PREFIX
 from realitygap.models.log import MeasuredLog
-from realitygap.models.proposal.menu import ENOUGH, SECONDS, Proposal
+from realitygap.models.proposal.menu import SECONDS, Proposal
 from realitygap.studies.diagnosis.request import Request
 from realitygap.studies.pages.page import Picture, Section, Table
 from realitygap.studies.plumbing.typed import typed
@@ -44,8 +44,10 @@ def _together(request: Request, log: str, name: str) -> str:
     return typed(*request.words(log), "--out", f"out/{name}-diagnosis")
 
 
-def next_section(proposal: Proposal | None, following: Sequence[str], room: Path) -> list[Section]:
-    """The report's section; nothing where nothing is proposed."""
+def next_section(
+    proposal: Proposal | None, following: Sequence[str], room: Path, least: float
+) -> list[Section]:
+    """The report's section, with what a manoeuvre must promise; nothing where none is proposed."""
     if proposal is None:
         return []
     rivals = " and ".join(proposal.separates)
@@ -60,7 +62,7 @@ def next_section(proposal: Proposal | None, following: Sequence[str], room: Path
             "with the same kind of commands, and diagnose both together:"
         )
     texts += list(following)
-    _draw(proposal, room / "menu.png")
+    _draw(proposal, room / "menu.png", least)
     table = pd.DataFrame(
         [{"manoeuvre": o.name, "separation (s.d.)": o.separation} for o in proposal.options]
     )
@@ -74,12 +76,12 @@ def next_section(proposal: Proposal | None, following: Sequence[str], room: Path
     ]
 
 
-def _draw(proposal: Proposal, path: Path) -> None:
+def _draw(proposal: Proposal, path: Path, least: float) -> None:
     figure = Figure(figsize=(10, 3.2), layout="constrained")
     axis = figure.subplots()
     names = [option.name for option in proposal.options]
     values = [max(option.separation, 1e-2) for option in proposal.options]
     sns.barplot(x=values, y=names, ax=axis, color="#4878a8")
-    axis.axvline(ENOUGH, color="#222222", linewidth=1)
+    axis.axvline(least, color="#222222", linewidth=1)
     axis.set(xscale="log", xlabel="separation (standard deviations)", ylabel="")
     figure.savefig(path, dpi=100)

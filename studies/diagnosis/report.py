@@ -75,7 +75,12 @@ def write_report(
     with scratch() as room:
         sections = [
             _found(examined),
-            *next_section(examined.diagnosis.proposal, following, room),
+            *next_section(
+                examined.diagnosis.proposal,
+                following,
+                room,
+                examined.diagnosis.rules.promising,
+            ),
             _pictures(examined, room),
             _gain(examined),
             _robots(examined),

@@ -13,10 +13,11 @@ from realitygap.models.diagnosis import (
     Unexplained,
     alternatives,
 )
-from realitygap.models.identify.detectable import CORE
+from realitygap.models.identify.detectable import core
 from realitygap.models.identify.value import Value
 from realitygap.models.named import Names
 from realitygap.models.naming.findings import Named
+from realitygap.models.rules import Rules
 
 VERDICTS = {
     "nothing_wrong": "Nothing wrong: no robot differs from health by more than healthy robots do.",
@@ -57,16 +58,16 @@ def untold_sentence(found: Diagnosis) -> str:
         by_causes.setdefault(names, []).append(robot)
     said = []
     for names, robots in by_causes.items():
-        sizes = ", ".join(f"{name} of {_core(name)}" for name in names)
+        sizes = ", ".join(f"{name} of {_core(name, found.rules)}" for name in names)
         everyone = len(robots) == len(found.robots) > 1
         where = "any robot" if everyone else _listed(robots, found.names)
         said.append(f"in {where} {sizes} could be unseen")
     return "; ".join(said) + "."
 
 
-def _core(name: str) -> str:
+def _core(name: str, rules: Rules) -> str:
     parameter = causes()[name].parameters[0]
-    return _amount(CORE[name], parameter.null, parameter.unit)
+    return _amount(core(rules)[name], parameter.null, parameter.unit)
 
 
 def detectable_sentence(found: Sequence[Detectable]) -> str:

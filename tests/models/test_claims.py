@@ -333,7 +333,7 @@ def test_what_is_refused_is_not_exported_and_gains_nothing(
     log = log_of(frame)
     examined = diagnose(log, MODEL, reference())
     assert [one.exported for one in examined.diagnosis.named] == [True]
-    monkeypatch.setattr(claims, "harmless", lambda predictions: {0: "harms: not exported"})
+    monkeypatch.setattr(claims, "harmless", lambda predictions, rules: {0: "harms: not exported"})
     found = claimed(examined, log).diagnosis
     assert [(one.exported, one.why) for one in found.named] == [(False, "harms: not exported")]
     assert all(gain.before == gain.after for gain in found.gain.values())

@@ -7,14 +7,16 @@ import pytest
 from scipy import stats
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.naming.health import BELIEVED, SURE, Health, Told, farthest, few, healthy
+from realitygap.models.naming.health import Health, Told, farthest, few, healthy
 from realitygap.models.naming.marginal import integrated
+from realitygap.models.rules import Rules
 from tests.models.linear import sound
 
 NAMES = ("a.p", "b.p", "speed/heading", "bend/heading")
 MEAN = np.array([0.4, -0.2, 0.1, 0.0])
 SD = np.array([0.5, 0.3, 0.4, 0.2])
 SWARM_SD = np.array([0.3, 0.1, 0.2, 0.1])
+RULES = Rules()
 SWARMS, ROBOTS = 60, 10
 
 
@@ -69,7 +71,7 @@ def test_one_wobble_that_two_causes_can_see_is_counted_once() -> None:
     """Were each cause given its own, a robot of twice the wobble would be twice as excusable."""
     found = healthy(told(3, 1.0, error=0.3))
     assert correlation(found)[0, 1] > 0.9
-    prior, _ = found.on(NAMES)
+    prior, _ = found.on(NAMES, RULES)
     both = np.array([SD[0], SD[1], 0.0, 0.0])
     unlike = np.array([SD[0], -SD[1], 0.0, 0.0])
     info = np.diag(1e4 / SD**2)
@@ -83,21 +85,23 @@ def test_one_wobble_that_two_causes_can_see_is_counted_once() -> None:
 
 @pytest.mark.parametrize("count", [2, 5, 50])
 def test_chance_passes_few_robots_spread_as_seldom_as_that_of_many(count: int) -> None:
-    assert stats.t.sf(few(count) * SURE, count - 1) == pytest.approx(stats.norm.sf(SURE))
+    assert stats.t.sf(few(count, 5.0) * 5.0, count - 1) == pytest.approx(stats.norm.sf(5.0))
 
 
 def test_many_robots_spread_is_taken_as_it_is() -> None:
-    assert few(10**7) == pytest.approx(1.0, abs=1e-4)
-    assert few(6) > few(20) > few(200) > 1.0
+    assert few(10**7, 5.0) == pytest.approx(1.0, abs=1e-4)
+    assert few(6, 5.0) > few(20, 5.0) > few(200, 5.0) > 1.0
 
 
 def test_a_prior_is_of_what_was_measured_in_whatever_order_a_log_has_it() -> None:
     known = healthy(told(6, 0.6, swarms=5, robots=4))
-    prior, spread = known.on(("bend/heading", "new.p", "b.p", "a.p"))
+    prior, spread = known.on(("bend/heading", "new.p", "b.p", "a.p"), RULES)
     assert prior.at.tolist() == [0, 2, 3]
     assert prior.mean == pytest.approx(known.mean[[3, 1, 0]])
     own = known.covariance[np.ix_([3, 1, 0], [3, 1, 0])]
-    assert prior.root @ prior.root.T == pytest.approx(few(20 + BELIEVED) ** 2 * own)
+    assert prior.root @ prior.root.T == pytest.approx(
+        few(20 + RULES.believed, RULES.few_sure) ** 2 * own
+    )
     assert spread[1] == 0.0
     assert spread[3] > np.sqrt(known.swarm[0])
 

@@ -12,9 +12,11 @@ import pytest
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.tracks import Tracks
 from realitygap.models.naming.columns import FREE
-from realitygap.models.naming.noise import BEGIN, ROW_NU, WIDE, WINDOW_NU, Noise, Whitener, learn
+from realitygap.models.naming.noise import BEGIN, WIDE, Noise, Whitener, learn
+from realitygap.models.rules import Rules
 from tests.models.toys import tracks
 
+RULES = Rules()
 LENGTHS = (12, 5, 9)
 """Rows of windows that are of unlike length."""
 
@@ -75,13 +77,13 @@ def simulated(
     cut = tracks(1, WINDOWS // 5, 5 * ROWS)
     n = len(cut.rows)
     z = random.normal(size=(n, 3, FREE + len(spread)))
-    far = np.sqrt(random.chisquare(WINDOW_NU, WINDOWS) / WINDOW_NU)
+    far = np.sqrt(random.chisquare(RULES.window_freedom, WINDOWS) / RULES.window_freedom)
     own = random.normal(size=(WINDOWS, len(spread))) * spread / far[:, None]
     free = 30.0 * random.normal(size=(WINDOWS, FREE))
     effects = np.hstack([free, own])[cut.window]
     x = random.normal(size=(n, 3, 1)) + z[:, :, [FREE]]
     errors = np.einsum("ncq,nq->nc", z, effects) + cause * x[:, :, 0]
-    errors += noise * random.standard_t(ROW_NU, (n, 3))
+    errors += noise * random.standard_t(RULES.row_freedom, (n, 3))
     return cut, SimpleNamespace(errors=errors, values=x, windows=z, linear=np.array([0]))
 
 
@@ -91,7 +93,7 @@ def test_what_windows_have_of_their_own_is_learned_and_no_cause_is_taken_for_it(
 ) -> None:
     """Of 600 windows a standard deviation is known to a twentieth: three times that."""
     cut, made = simulated(4, TRUE, cause=cause)
-    (found,) = learn([cut], [made])
+    (found,) = learn([cut], [made], RULES)
     assert found.spread[FREE:] == pytest.approx(TRUE, rel=0.15)
     size = np.sqrt((made.windows**2).mean(axis=(0, 1)))
     assert found.spread[:FREE] * size[:FREE] == pytest.approx(np.sqrt(WIDE))
@@ -99,7 +101,7 @@ def test_what_windows_have_of_their_own_is_learned_and_no_cause_is_taken_for_it(
 
 def test_robots_of_one_log_have_one_spread_and_rows_of_their_own() -> None:
     logs = [simulated(5, TRUE), simulated(6, TRUE, noise=2.0)]
-    one, other = learn([cut for cut, _ in logs], [made for _, made in logs])
+    one, other = learn([cut for cut, _ in logs], [made for _, made in logs], RULES)
     assert one.spread == pytest.approx(other.spread)
     assert one.spread[FREE:] == pytest.approx(TRUE, rel=0.15)
     ratio = np.median(one.weight) / np.median(other.weight)
@@ -110,12 +112,12 @@ def test_a_pushed_window_and_a_wild_row_count_less() -> None:
     cut, made = simulated(7, TRUE)
     made.errors[cut.window == 3] += 30.0 * made.windows[cut.window == 3][:, :, FREE]
     made.errors[500] += 40.0
-    (found,) = learn([cut], [made])
+    (found,) = learn([cut], [made], RULES)
     assert found.window[3] < 0.05 * np.median(found.window)
     assert found.weight[500].max() < 0.05 * np.median(found.weight)
 
 
 def test_where_windows_have_nothing_of_their_own_little_is_learned() -> None:
     cut, made = simulated(8, 0.0 * TRUE)
-    (found,) = learn([cut], [made])
+    (found,) = learn([cut], [made], RULES)
     assert found.spread[FREE:].max() < 0.5 * BEGIN

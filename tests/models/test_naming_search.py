@@ -11,23 +11,24 @@ from scipy import stats
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.hypothesis import Term
-from realitygap.models.identify.threshold import POSSIBLE, bracket
+from realitygap.models.identify.threshold import bracket
 from realitygap.models.naming import verdict
 from realitygap.models.naming.columns import Item
 from realitygap.models.naming.findings import Follows, Named
 from realitygap.models.naming.fitter import Fitter
 from realitygap.models.naming.health import Health
 from realitygap.models.naming.marginal import Score
-from realitygap.models.naming.search import PRICE, _replacing, contenders, offers, search
+from realitygap.models.naming.search import _replacing, contenders, offers, search
 from realitygap.models.naming.seen import away, least_seen
 from realitygap.models.naming.separable import inseparable
 from realitygap.models.naming.state import SWARM, Kept, State
 from realitygap.models.naming.weighed import Weighed
 from realitygap.models.reference import Gates
+from realitygap.models.rules import Rules
 from tests.models.linear import cause, flexible, item, name_of, sound, state_of
 
 A, B, C = cause("a"), cause("b"), cause("c")
-GATES = Gates()
+GATES, RULES = Gates(), Rules()
 ROWS, ROBOTS = 250, 6
 ITEMS = (item(A, 0), item(B, 1), item(C, 2), flexible("heading", 3), flexible("place", 4))
 ALWAYS = 5
@@ -73,48 +74,48 @@ def score(information: FloatArray, slope: list[float]) -> Score:
 
 
 def test_what_is_offered_is_what_a_linear_step_takes_off_best_first() -> None:
-    found = offers(score(np.diag([4.0, 1.0]), [8.0, 5.0]), ITEMS[:2], KNOWN)
+    found = offers(score(np.diag([4.0, 1.0]), [8.0, 5.0]), ITEMS[:2], KNOWN, RULES)
     assert [(one.item.key, one.gain) for one in found] == [("b", 25.0), ("a", 16.0)]
     assert found[1].step == pytest.approx([2.0])
 
 
 def test_a_further_parameter_costs_its_price() -> None:
     two = cause("two", 2)
-    (found,) = offers(score(np.eye(2), [3.0, 4.0]), (item(two, 0, 1),), KNOWN)
-    assert found.gain == pytest.approx(25.0 - PRICE)
-    assert PRICE > 2.0, "what a parameter without a meaning takes off by chance, twice"
+    (found,) = offers(score(np.eye(2), [3.0, 4.0]), (item(two, 0, 1),), KNOWN, RULES)
+    assert found.gain == pytest.approx(25.0 - RULES.price)
+    assert RULES.price > 2.0, "what a parameter without a meaning takes off by chance, twice"
 
 
 @pytest.mark.parametrize(("sign", "offered"), [(0, True), (1, False), (-1, True)])
 def test_a_cause_on_the_wrong_side_of_its_null_is_not_offered(sign: int, offered: bool) -> None:
     one = item(cause("one", sign=sign), 0)
-    assert bool(offers(score(np.eye(1), [-9.0]), (one,), KNOWN)) is offered
+    assert bool(offers(score(np.eye(1), [-9.0]), (one,), KNOWN, RULES)) is offered
 
 
 @pytest.mark.parametrize(("share", "offered"), [(0.31, True), (0.29, False)])
 def test_a_small_share_of_a_whole_dose_is_no_such_cause(share: float, offered: bool) -> None:
     one = item(A, 0, dose=0.5)
-    assert bool(offers(score(100.0 * np.eye(1), [100.0 * share]), (one,), KNOWN)) is offered
+    assert bool(offers(score(100.0 * np.eye(1), [100.0 * share]), (one,), KNOWN, RULES)) is offered
 
 
 def test_a_threshold_has_no_half_doses() -> None:
     """Half of a whole dose would take off 25; the whole of it takes off and adds as much."""
     steady, jumps = (item(cause("t", smooth=s), 0, dose=0.5) for s in (True, False))
     half = score(100.0 * np.eye(1), [50.0])
-    assert offers(half, (steady,), KNOWN)[0].gain == pytest.approx(25.0)
-    assert offers(half, (jumps,), KNOWN)[0].gain == pytest.approx(0.0)
+    assert offers(half, (steady,), KNOWN, RULES)[0].gain == pytest.approx(25.0)
+    assert offers(half, (jumps,), KNOWN, RULES)[0].gain == pytest.approx(0.0)
 
 
 def test_what_nobody_measured_or_nothing_tells_is_not_offered() -> None:
     told = score(np.diag([1.0, 0.0]), [9.0, 9.0])
-    assert [one.item.key for one in offers(told, ITEMS[:2], KNOWN)] == ["a"]
-    assert offers(told, ITEMS[:2], ~KNOWN) == []
+    assert [one.item.key for one in offers(told, ITEMS[:2], KNOWN, RULES)] == ["a"]
+    assert offers(told, ITEMS[:2], ~KNOWN, RULES) == []
 
 
 def test_contenders_are_causes_that_promise_enough() -> None:
     items = (*ITEMS[:3], item(A, 5, dose=1.0), ITEMS[3])
     told = score(np.eye(6), [10.0, 6.0, 5.0, 20.0, 0.0, 9.0])
-    listed = contenders(offers(told, items, KNOWN))
+    listed = contenders(offers(told, items, KNOWN, RULES), RULES)
     assert [one.item.key for one in listed] == ["a", "b"]
     assert listed[0].item.dose is None
 
@@ -219,8 +220,8 @@ def test_a_cause_is_replaced_by_what_does_clearly_better_and_leaves_it_little(
     y = plain * x[:, 1] + own * x[:, 0]
     told = Score(x.T @ x, x.T @ y, float(y @ y))
     items = (item(cause("a", feigns=feigns), 0), flexible("place", 1, always=2))
-    one, other = sorted(offers(told, items, KNOWN), key=lambda offer: offer.item.key)
-    found = _replacing(told, one, one.gain, [other], np.zeros(len(told.slope)))
+    one, other = sorted(offers(told, items, KNOWN, RULES), key=lambda offer: offer.item.key)
+    found = _replacing(told, one, one.gain, [other], np.zeros(len(told.slope)), RULES)
     assert (found.key if found else None) == ("speed/place" if replaced else None)
 
 
@@ -261,16 +262,16 @@ def test_a_threshold_lies_between_the_commanded_speeds_that_fit() -> None:
     """All values between two neighbouring speeds are the same to a log."""
     speeds = np.array([1.0, 2.0, 3.0, 5.0, 6.0])
     commands = np.column_stack([speeds, -speeds])
-    gap = {1.5: 90.0, 2.5: POSSIBLE - 0.1, 4.0: 0.0, 5.5: POSSIBLE + 0.1, 0.5: 99.0}
-    found = bracket(commands, 4.2, gap.__getitem__)
+    gap = {1.5: 90.0, 2.5: RULES.odds - 0.1, 4.0: 0.0, 5.5: RULES.odds + 0.1, 0.5: 99.0}
+    found = bracket(commands, 4.2, gap.__getitem__, RULES.odds)
     assert (found.best, found.low, found.high) == (4.0, 2.0, 5.0)
-    weight = np.exp(-2.0 * np.array([POSSIBLE - 0.1, 0.0, POSSIBLE + 0.1]) / POSSIBLE)
+    weight = np.exp(-2.0 * np.array([RULES.odds - 0.1, 0.0, RULES.odds + 0.1]) / RULES.odds)
     inner = np.average([2.5, 4.0, 5.5], weights=weight * [1.0, 2.0, 1.0])
     assert found.mean == pytest.approx(inner, rel=1e-6)
 
 
 def test_a_threshold_below_the_slowest_command_begins_at_nought() -> None:
-    found = bracket(np.array([[1.0, 2.0]]), 0.4, lambda at: 100.0 * (at > 1.0))
+    found = bracket(np.array([[1.0, 2.0]]), 0.4, lambda at: 100.0 * (at > 1.0), RULES.odds)
     assert (found.low, found.high) == (0.0, 1.0)
 
 
@@ -419,9 +420,9 @@ def unknown(gain: float, *robots: int) -> Follows:
 
 def test_a_name_much_weaker_than_something_unknown_in_its_robot_is_none() -> None:
     strong, weak, elsewhere = named(60.0, 1), named(40.0, 1), named(40.0, 2)
-    found = verdict.standing([strong, weak, elsewhere], [unknown(100.0, 1)])
+    found = verdict.standing([strong, weak, elsewhere], [unknown(100.0, 1)], RULES)
     assert found == [strong, elsewhere]
-    assert verdict.standing([strong, weak], [unknown(200.0, 0, 1, 2)]) == []
+    assert verdict.standing([strong, weak], [unknown(200.0, 0, 1, 2)], RULES) == []
 
 
 def test_what_follows_something_is_worth_what_it_takes_off_beside_the_causes() -> None:

@@ -23,10 +23,11 @@ from realitygap.models.log import make_log
 from realitygap.models.modelfile import read_model_file
 from realitygap.models.naming.columns import Item
 from realitygap.models.proposal import motion
-from realitygap.models.proposal.menu import ENOUGH, Proposal, distance, flights, ranked
+from realitygap.models.proposal.menu import Proposal, distance, flights, ranked
 from realitygap.models.proposal.propose import with_proposal
 from realitygap.models.reference import Column, Reference, no_reference
 from realitygap.models.repertoire import manoeuvres
+from realitygap.models.rules import Rules
 from realitygap.models.senses import nest
 from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.causes import sense_causes
@@ -73,7 +74,7 @@ def test_a_radius_and_an_axle_differ_in_straights_and_not_in_turns_on_the_spot()
     in_spins = apart("spins", scale, "wheel_separation")
     in_straights = apart("straights", scale, "wheel_separation")
     assert in_straights > 5.0 * in_spins
-    assert in_straights > ENOUGH
+    assert in_straights > Rules().promising
 
 
 def test_what_the_log_has_pinned_down_cannot_follow_the_truth() -> None:
@@ -114,7 +115,7 @@ def test_a_rival_that_the_log_leaves_wholly_open_may_follow_anywhere() -> None:
 def test_the_farthest_nearest_rival_decides() -> None:
     options = ranked({"steps": (9.0, 2.0), "spins": (5.0, 4.0)})
     assert [(o.name, o.separation) for o in options] == [("spins", 4.0), ("steps", 2.0)]
-    assert not Proposal(separates=("a", "b", "c"), options=options).promising
+    assert not Proposal(separates=("a", "b", "c"), options=options).promises(Rules().promising)
 
 
 def test_every_cause_names_a_manoeuvre_of_the_menu() -> None:

@@ -19,6 +19,7 @@ from realitygap.models.identify.predict import recorded as as_recorded
 from realitygap.models.identify.recording import recording, unsure
 from realitygap.models.log import make_log, read_log
 from realitygap.models.naming.recorded import recorded
+from realitygap.models.rules import Rules
 from realitygap.models.table_files import RECORDER
 from tests.models.test_identify import HEALTHY, MODEL, STEP, names, reference, table, tracks
 from tests.models.test_identify import diagnosed as told_of
@@ -204,13 +205,13 @@ def test_robots_at_rest_may_repeat_their_pose() -> None:
 
 def test_only_what_shows_where_commands_change_is_unsure_beside_the_recording() -> None:
     listed = ["wheel_radius_scale.scale", "motor_lag.time_constant", "low_friction@0.5"]
-    found = unsure(0.1, [*listed, "clock_offset.seconds", "speed/heading sin"])
+    found = unsure(0.1, [*listed, "clock_offset.seconds", "speed/heading sin"], Rules())
     assert found["motor_lag.time_constant"] == 0.05
     assert "low_friction@0.5" in found
     assert not {"wheel_radius_scale.scale", "clock_offset.seconds", "speed/heading sin"} & set(
         found
     )
-    assert {p.name for p in recording(0.1).parameters} == {
+    assert {p.name for p in recording(0.1, Rules()).parameters} == {
         name.partition("@")[2] for name in found if name.startswith("recording@")
     }
-    assert recording(0.1).variants == (ALL,)
+    assert recording(0.1, Rules()).variants == (ALL,)

@@ -15,6 +15,7 @@ from realitygap.models import load_model
 from realitygap.models.extension import NamedCause, ParameterValue
 from realitygap.models.log import make_log
 from realitygap.models.modelfile import read_model_file
+from realitygap.models.rules import Rules
 from realitygap.models.schema import LS, PS
 from realitygap.models.senses.cause import Belief
 from realitygap.models.senses.causes import sense_causes
@@ -70,8 +71,10 @@ def table(
     return pd.concat(frames, ignore_index=True)
 
 
-def examined(frame: pd.DataFrame, model: PointModel = MODEL) -> SenseExamination:
-    return diagnose_senses(make_log(frame, drive=model.drive), model, REFERENCE)
+def examined(
+    frame: pd.DataFrame, model: PointModel = MODEL, rules: Rules = Rules()
+) -> SenseExamination:
+    return diagnose_senses(make_log(frame, drive=model.drive), model, REFERENCE, rules=rules)
 
 
 def names(found: SenseExamination) -> list[tuple[str, str, object]]:
@@ -106,6 +109,12 @@ def test_a_fault_of_one_robot_is_named_for_it_with_its_value(
     (told,) = (v for v in found.named[0].values if v.name == parameter)
     assert told.low <= value <= told.high
     assert not found.named[0].evidence.rivals
+
+
+def test_a_gate_that_nothing_passes_names_nothing_in_the_senses() -> None:
+    frame = table({2: with_senses(rotation=0.05)})
+    assert names(examined(frame))
+    assert names(examined(frame, rules=Rules(cause_gate=1e9))) == []
 
 
 @pytest.mark.parametrize(

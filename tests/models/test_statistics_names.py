@@ -7,12 +7,13 @@ import pytest
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.identify.value import values
-from realitygap.models.naming.search import MARGIN
 from realitygap.models.naming.verdict import _margin
+from realitygap.models.rules import Rules
 from tests.models.toys import motion_term
 
 NO_COMMANDS = np.ones((1, 2))
 BLOCKS = 10
+RULES = Rules()
 
 
 def test_an_interval_holds_the_part_though_this_robot_differs_in_it_as_sound_robots_do() -> None:
@@ -37,7 +38,7 @@ UNEVEN = np.array([0.5, 0.5, *[0.0] * (BLOCKS - 2)])
 
 def worse(lost: FloatArray, gain: float) -> bool:
     """Whether a rival is called worse by a (blocks,) deviance; `gain` is the cause's own."""
-    return bool(lost.sum() > _margin(lost, gain))
+    return bool(lost.sum() > _margin(lost, gain, RULES))
 
 
 def test_a_rival_is_worse_by_odds_of_twenty_to_one_and_not_by_less() -> None:
@@ -56,7 +57,7 @@ def test_what_a_rival_loses_must_be_clear_of_its_scatter_from_block_to_block() -
 
 
 def test_where_errors_are_independent_odds_alone_decide() -> None:
-    assert _margin(np.zeros(0), 900.0) == MARGIN
+    assert _margin(np.zeros(0), 900.0, RULES) == RULES.odds
 
 
 def test_a_fifth_of_a_causes_gain_is_missed_however_few_blocks_it_is_lost_in() -> None:

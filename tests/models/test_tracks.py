@@ -9,32 +9,28 @@ import pytest
 
 from realitygap.embedded_sim import Drive
 from realitygap.models.causes import Motion
-from realitygap.models.identify import tracks as cutting
 from realitygap.models.identify.fit import Problem
 from realitygap.models.identify.tracks import Tracks, cut_tracks
 from realitygap.models.log import make_log
 from realitygap.models.modelfile import read_model_file
+from realitygap.models.rules import Rules
 from tests.models.small import driven_log
 
 MODEL = read_model_file("epuck").model_copy(update={"arena": None})
 SLOW = Drive(acceleration=(160.0, 160.0), time_constant=0.05, latency=0.03, droop_rate=1e-3)
 
 
-def long_tracks() -> Tracks:
+FEW = Rules(all_windows=150, few_windows=20)
+"""So few windows that most of a log is left out."""
+
+
+def long_tracks(rules: Rules = Rules()) -> Tracks:
     frame = driven_log(5, robots=3, rows=6000, drive=SLOW, position_noise=5e-4, heading_noise=5e-3)
-    return cut_tracks(make_log(frame, drive=MODEL.motion().drive), MODEL)
+    return cut_tracks(make_log(frame, drive=MODEL.motion().drive), MODEL, rules=rules)
 
 
-@pytest.fixture
-def few(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Use so few windows that most of a log is left out."""
-    monkeypatch.setattr(cutting, "ALL_WINDOWS", 150)
-    monkeypatch.setattr(cutting, "FEW_WINDOWS", 20)
-
-
-@pytest.mark.usefixtures("few")
 def test_of_a_long_log_some_windows_are_used_evenly_over_its_time() -> None:
-    some = long_tracks()
+    some = long_tracks(FEW)
     begun = some.t[some.rows[some.first]]
     assert np.bincount(some.robot).tolist() == [50, 50, 50]
     assert np.ptp(begun) > 0.9 * 6000 * 0.04
@@ -42,14 +38,13 @@ def test_of_a_long_log_some_windows_are_used_evenly_over_its_time() -> None:
     assert len(some.t) < 0.5 * 3 * 6000
 
 
-@pytest.mark.usefixtures("few")
 @pytest.mark.parametrize("pose_delay", [0.0, 0.1, -0.1])
 def test_rows_left_out_between_windows_change_no_error(
     monkeypatch: pytest.MonkeyPatch, pose_delay: float
 ) -> None:
-    lean = long_tracks()
+    lean = long_tracks(FEW)
     monkeypatch.setattr(Tracks, "needed", lambda whole: whole)
-    whole = long_tracks()
+    whole = long_tracks(FEW)
     assert len(lean.t) < len(whole.t)
     motions = [Motion(drive=SLOW, pose_delay=pose_delay)] * 3
     errors = [Problem(one, motions).residual((), np.zeros((3, 0))) for one in (lean, whole)]

@@ -16,10 +16,11 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes import Cause, Motion, Parameter
 from realitygap.models.identify.fit import Problem as MotionProblem
 from realitygap.models.identify.hypothesis import Term as MotionTerm
-from realitygap.models.identify.residual import DEGREES as MOTION_DEGREES
 from realitygap.models.identify.tracks import BLOCK_WINDOWS, Rows, Tracks
 from realitygap.models.noise import PoseNoise
+from realitygap.models.rules import Rules
 
+MOTION_DEGREES = Rules().row_freedom
 WIDE = 1e6
 """Bounds that no toy reaches."""
 

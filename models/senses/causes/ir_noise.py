@@ -8,6 +8,9 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.causes.cause import Parameter
 from realitygap.models.senses.cause import PS, Belief, SenseCause
 
+FEIGNS = {"ir_offset": 1.0, "infrared/counts/always": 1.0}
+"""counts: readings are whole numbers not below 0, so that more noise moves their mean by up to
+one."""
 DOUBT = 0.1
 """Of the logarithm of the scale: what windows have of their own takes a little of loud noise for
 its own. Measured by simulated readings: 2.0 was told as 1.9."""
@@ -37,4 +40,5 @@ CAUSE = SenseCause(
     kind="noise",
     columns=PS,
     experiment="face-to-face",
+    feigns=FEIGNS,
 )
