@@ -36,6 +36,8 @@ REFINED = 3
 """Places of each cause, the best, that are refined. Our choice: the nearest is among them."""
 STEP = 0.06
 """m, or share of a lamp, by which the best places are first moved: half of what lies between."""
+BRIGHTNESS = "lamp_intensity"
+"""To which steps from the null do lead."""
 SURELY_ELSEWHERE = 100.0
 """Deviance of moments by which a lamp elsewhere must tell the light better than a dimmer one: ten
 standard deviations, for the moments are not independent."""
@@ -44,7 +46,8 @@ NEAR = 0.005
 
 
 def far_lamps(sight: Sight, model: PointModel, believed: Sequence[Belief]) -> Doses:
-    """Coordinates of lamps that tell the light better than what is believed, by term.
+    """Coordinates of lamps that tell the light better than the one believed in does, were it as
+    bright as it seems, by term.
 
     Args:
         sight: Of all robots.
@@ -55,11 +58,17 @@ def far_lamps(sight: Sight, model: PointModel, believed: Sequence[Belief]) -> Do
     doses: dict[Term, list[FloatArray]] = {}
     if not seen.astray:
         return doses
+    dimmed = [
+        seen.refined(term, np.zeros(1))[1]
+        for term in sense_terms()
+        if term.cause.name == BRIGHTNESS
+    ]
+    bar = min([seen.least, *dimmed]) - SURELY_ELSEWHERE
     for term in sense_terms():
         assert isinstance(term.cause, SenseCause)
         places = sorted(term.cause.leaps(), key=lambda place: seen.loss(term, place))
         refined = [seen.refined(term, place) for place in places[:REFINED]]
-        better = [place for place, loss in refined if loss < seen.least]
+        better = [place for place, loss in refined if loss < bar]
         if better:
             doses[term] = better
     return doses
@@ -68,8 +77,7 @@ def far_lamps(sight: Sight, model: PointModel, believed: Sequence[Belief]) -> Do
 def elsewhere(
     sight: Sight, model: PointModel, believed: Sequence[Belief], doses: Doses
 ) -> tuple[Term, FloatArray] | None:
-    """The one lamp that tells the light best, if it stands somewhere else; None: the lamp that is
-    believed in does as well once it is as bright as it seems.
+    """The one lamp of those found that tells the light best; None: none was found.
 
     Far from where light is read to come from, errors are no longer in proportion to a dose of it.
 
@@ -81,15 +89,8 @@ def elsewhere(
     """
     seen = _Glimpse(sight, model, believed)
     found = [(seen.loss(term, place), term, place) for term in doses for place in doses[term]]
-    if not found:
-        return None
-    best, term, place = min(found, key=lambda one: one[0])
-    dimmed = [
-        seen.refined(other, np.zeros(1))[1]
-        for other in sense_terms()
-        if other.cause.name == "lamp_intensity"
-    ]
-    return (term, place) if best + SURELY_ELSEWHERE < min(dimmed, default=seen.least) else None
+    _, term, place = min(found, key=lambda one: one[0], default=(0.0, None, np.zeros(0)))
+    return None if term is None else (term, place)
 
 
 class _Glimpse:

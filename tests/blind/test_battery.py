@@ -16,6 +16,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from realitygap.embedded_sim import InputError
+from realitygap.models.table_files import RECORDER
 from realitygap.reality.effects import catalogue, parse_effects
 from realitygap.studies.blind.battery import run_battery
 from realitygap.studies.blind.limits import detection_limit, share
@@ -275,7 +276,7 @@ def test_a_log_that_is_diagnosed_does_not_say_what_kind_of_run_it_is(tmp_path: P
     one = plan(blind_config(trials=1, seed=7, **SMALL))[0]
     record(one, tmp_path / "run", tmp_path / "samples.parquet")
     schema = pq.read_schema(tmp_path / "samples.parquet")
-    assert not schema.metadata
+    assert schema.metadata == {RECORDER: f"reality {one.run.engine}".encode()}
     table = pd.read_parquet(tmp_path / "samples.parquet")
     texts = {name for name in table if not pd.api.types.is_numeric_dtype(table[name])}
     assert texts == {"run", "case"}
