@@ -128,7 +128,7 @@ class Spreads(Finite):
 
     def recorded_like(self, recorder: str, step: float) -> bool:
         """Whether a log is known to be recorded as the reference's were, rows `step` s apart."""
-        return bool(recorder) and recorder == self.recorder and abs(step / self.step - 1.0) < LIKE
+        return bool(recorder) and recorder == self.recorder and abs(step - self.step) < LIKE * step
 
     def knows(self, names: Iterable[str]) -> npt.NDArray[np.bool_]:
         """Which coefficients were measured in healthy robots; all, where health is not asked for.

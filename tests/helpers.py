@@ -13,7 +13,13 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 COMMAND = [sys.executable, "-c", "from realitygap.studies.cli import main; main()"]
 """`realitygap`, with this interpreter."""
-ENVIRONMENT = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin", "COLUMNS": "200"}
+ENVIRONMENT = {
+    "PYTHONPATH": str(ROOT),
+    "PATH": "/usr/bin:/bin",
+    "COLUMNS": "200",
+    # how linear algebra is set belongs to the machine: other kernels give other last digits
+    **{name: value for name, value in os.environ.items() if name.startswith("OPENBLAS_")},
+}
 
 LONG = 300.0
 """s that something may take on a machine that is very busy; nothing waits so long for success."""

@@ -41,9 +41,6 @@ FREE = 3
 """Window effects that are free: place (two) and heading of the window. No rule: what they are."""
 CLOCKS = ("clock_offset", "command_latency")
 LAGS = ("motor_lag",)
-ROW = 0.04
-"""s; only so that the recording has bounds, which its columns do not ask for. No rule: as good as
-any."""
 
 
 class Item(NamedTuple):
@@ -120,7 +117,7 @@ def columns(
         names += called
         items.append(item._replace(columns=tuple(range(at, at + len(own)))))
     steps = Steps(tracks, predicted)
-    term = Term(recording(ROW, tracks.rules), ALL)
+    term = Term(recording(tracks.step, tracks.rules), ALL)
     for k, parameter in enumerate(term.cause.parameters):
         found.append(-_slope(problem, term, k))
         names.append(f"{term.cause.name}@{parameter.name}")

@@ -75,12 +75,11 @@ def _of_free(
 ) -> Identified:
     """The same of robots that all have windows."""
     base = tuple(reference.motion(motion) for motion in believed)
-    unsure_of: dict[str, float] = {}
-    if reference.robots and not alike:
+    foreign = reference.robots > 0 and not alike
+    if foreign:
         base = recorded(tracks, base, reference.learned)
     robots = tuple(robots_of(tracks, base))
-    if reference.robots and not alike:
-        unsure_of = unsure(tracks.step, robots[0].names, tracks.rules)
+    unsure_of = unsure(tracks.step, robots[0].names, tracks.rules) if foreign else {}
     start = State(tracks, base, robots, reference.learned, unsure=unsure_of)
     names = start.robots[0].names
     known = reference.knows(names)

@@ -27,7 +27,7 @@ Engine = Annotated[
     str,
     typer.Option(
         "--engine",
-        help="Physics of the world: pybullet, or mujoco (the extra [mujoco]).",
+        help=r"Physics of the world: pybullet, or mujoco (the extra \[mujoco]).",
     ),
 ]
 

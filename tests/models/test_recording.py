@@ -176,6 +176,7 @@ def test_a_log_that_was_thinned_afterwards_is_not_its_recorders() -> None:
     assert not known.recorded_like(known.recorder, 2.0 * STEP)
     assert not known.recorded_like("", STEP)
     assert not known.model_copy(update={"recorder": ""}).recorded_like("", STEP)
+    assert not known.model_copy(update={"step": 0.0}).recorded_like(known.recorder, STEP)
 
 
 def test_a_file_says_what_recorded_it(tmp_path) -> None:  # type: ignore[no-untyped-def]

@@ -131,3 +131,8 @@ def test_what_a_user_would_type_names_an_engine_that_is_not_the_usual() -> None:
     assert "--engine" not in GainRequest(**gain).command
     assert "--engine mujoco" in ReferenceRequest(runs=1, engine="mujoco", model=model).command
     assert "--engine" not in ReferenceRequest(logs=log, engine="mujoco", model=model).command
+
+
+def test_the_help_names_the_extra_that_an_engine_needs() -> None:
+    done = realitygap("run", "--help")
+    assert "[mujoco]" in done.stdout
