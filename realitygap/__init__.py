@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from realitygap.embedded_sim.errors import Diverged, InputError
-    from realitygap.models.rules import Rules
+    from realitygap.models.naming.rules import Rules
     from realitygap.studies import study
     from realitygap.studies.blind.battery import blind
     from realitygap.studies.demo.demo import demo
@@ -47,7 +47,7 @@ _WHERE = {
     "InputError": "embedded_sim.errors",
     "Log": "studies.inputs.logs",
     "Model": "studies.inputs.model",
-    "Rules": "models.rules",
+    "Rules": "models.naming.rules",
     "RunResult": "studies.run.simulate",
     "StudyResult": "studies.study",
     "Unfinished": "studies.plumbing.execution",

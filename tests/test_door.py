@@ -13,10 +13,10 @@ import pytest
 
 import realitygap as rg
 from realitygap.embedded_sim import Drive
-from realitygap.models.catalogue import every_cause
-from realitygap.models.causes import causes as motion_causes
-from realitygap.models.extension import Extension, NamedCause, ParameterValue
-from realitygap.models.log import write_table
+from realitygap.models.belief.catalogue import causes as motion_causes
+from realitygap.models.belief.catalogue import every_cause
+from realitygap.models.belief.extension import Extension, NamedCause, ParameterValue
+from realitygap.models.log.measured import write_table
 from realitygap.reality.effects import catalogue
 from tests.helpers import ROOT, realitygap
 from tests.models.small import driven_log

@@ -57,7 +57,7 @@ def test_a_copy_has_a_package_of_its_own(tmp_path: Path) -> None:
 def test_a_fault_that_no_test_notices_is_told() -> None:
     listed = {one.name: one for one in mutants.read()}
     heard, compiled = listed["unshrunk"], listed["turn-memory-ignored"]
-    unheard = replace(heard, name="unheard", tests=("tests/models/test_conditions.py",))
+    unheard = replace(heard, name="unheard", tests=("tests/models/gap/test_conditions.py",))
     said = StringIO()
     tried = [heard, compiled, unheard]
     assert mutants.survivors(tried, tried, Console(file=said)) == 1

@@ -9,13 +9,25 @@ import numpy as np
 from scipy.special import log_ndtr
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.causes import Motion
-from realitygap.models.identify.fitted import Fitted, Key
-from realitygap.models.identify.hypothesis import Term
-from realitygap.models.identify.value import Value
-from realitygap.models.naming.everywhere import Where
+from realitygap.models.belief.motion import Motion
+from realitygap.models.naming.channels.motion.fitted import Fitted, Key
+from realitygap.models.naming.engine.hypothesis import Term
+from realitygap.models.naming.engine.value import Value
 
 Robots = tuple[int, ...]
+
+
+class Where(NamedTuple):
+    """Where a cause is of another size than elsewhere."""
+
+    part: str
+    """Of `motion.parts.PARTS`."""
+    more: float
+    """By which it is larger there than elsewhere, in its own size."""
+    gain: float
+    """Deviance that a size of its own takes off there."""
+    share: float
+    """Of the deviance that the causes leave."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -9,23 +9,17 @@ from typing import NamedTuple
 import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.identify.hypothesis import Term
-from realitygap.models.naming.columns import Mask
+from realitygap.models.naming.engine.fitter import Fitter, Refined
+from realitygap.models.naming.engine.gates import Gates
+from realitygap.models.naming.engine.hypothesis import Term
+from realitygap.models.naming.engine.items import Mask
+from realitygap.models.naming.engine.marginal import freed
+from realitygap.models.naming.engine.search import contenders, fitted_with, offers, possible, search
+from realitygap.models.naming.engine.separable import inseparable
+from realitygap.models.naming.engine.state import SWARM, Kept, State, with_kept
+from realitygap.models.naming.engine.weighed import Weighed
 from realitygap.models.naming.findings import Evidence, Follows, Named
-from realitygap.models.naming.fitter import Fitter, Refined
-from realitygap.models.naming.marginal import freed
-from realitygap.models.naming.search import (
-    contenders,
-    fitted_with,
-    offers,
-    possible,
-    search,
-)
-from realitygap.models.naming.separable import inseparable
-from realitygap.models.naming.state import SWARM, Kept, State, with_kept
-from realitygap.models.naming.weighed import Weighed
-from realitygap.models.reference import Gates
-from realitygap.models.rules import Rules
+from realitygap.models.naming.rules import Rules
 
 
 class Judged(NamedTuple):

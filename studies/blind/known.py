@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from realitygap.models.catalogue import every_cause
+from realitygap.models.belief.catalogue import every_cause
 from realitygap.studies.hidden.menu import MENU
 
 

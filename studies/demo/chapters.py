@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from realitygap.models.log import SAMPLES
+from realitygap.models.log.measured import SAMPLES
 from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.studies.blind.examiner import LOG
 from realitygap.studies.blind.record import diagnose

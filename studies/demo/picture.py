@@ -10,7 +10,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from realitygap.models.catalogue import every_cause
+from realitygap.models.belief.catalogue import every_cause
 from realitygap.studies.demo.story import Story
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY
 from realitygap.studies.gain.words import SHOWN

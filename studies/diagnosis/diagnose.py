@@ -8,22 +8,22 @@ from dataclasses import replace
 from pathlib import Path
 
 from realitygap.embedded_sim.errors import InputError, nearest
-from realitygap.models.catalogue import every_cause
-from realitygap.models.causes.withheld import without as withholding
-from realitygap.models.diagnosis import as_json, extension
-from realitygap.models.identify.diagnose import diagnose as diagnose_motion
-from realitygap.models.modelfile import ModelFile
-from realitygap.models.proposal.propose import with_proposal
-from realitygap.models.reference import Reference, read_reference, shipped_reference
-from realitygap.models.repertoire import manoeuvres
-from realitygap.models.rules import Rules
-from realitygap.models.senses.joined import WholeExamination, with_senses
-from realitygap.models.senses.reference import (
+from realitygap.models.belief.catalogue import every_cause
+from realitygap.models.belief.modelfile import ModelFile
+from realitygap.models.belief.withheld import without as withholding
+from realitygap.models.log.repertoire import manoeuvres
+from realitygap.models.naming.channels.motion.diagnose import diagnose as diagnose_motion
+from realitygap.models.naming.channels.senses.joined import WholeExamination, with_senses
+from realitygap.models.naming.diagnosis import as_json, extension
+from realitygap.models.naming.health.reference import Reference, read_reference, shipped_reference
+from realitygap.models.naming.health.senses import (
     SenseReference,
     beside,
     read_sense_reference,
     shipped_sense_reference,
 )
+from realitygap.models.naming.proposal.propose import with_proposal
+from realitygap.models.naming.rules import Rules
 from realitygap.studies.diagnosis.next_experiment import commands
 from realitygap.studies.diagnosis.request import Request
 from realitygap.studies.diagnosis.result import FILE, DiagnosisResult

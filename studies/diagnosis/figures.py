@@ -10,9 +10,9 @@ import seaborn as sns
 from matplotlib.figure import Figure
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.causes import Motion
-from realitygap.models.identify.examination import KINDS, Examination
-from realitygap.models.identify.fit import Problem
+from realitygap.models.belief.motion import Motion
+from realitygap.models.naming.channels.motion.examination import KINDS, Examination
+from realitygap.models.naming.channels.motion.fit import Problem
 from realitygap.models.naming.findings import Named
 
 PROFILE_POINTS = 21

@@ -10,8 +10,8 @@ import seaborn as sns
 from matplotlib.figure import Figure
 
 from realitygap.embedded_sim.probes import PREFIX
-from realitygap.models.log import MeasuredLog
-from realitygap.models.proposal.menu import SECONDS, Proposal
+from realitygap.models.log.measured import MeasuredLog
+from realitygap.models.naming.proposal.menu import SECONDS, Proposal
 from realitygap.studies.diagnosis.request import Request
 from realitygap.studies.pages.page import Picture, Section, Table
 from realitygap.studies.plumbing.typed import typed

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from realitygap.models.causes import causes
-from realitygap.models.diagnosis import alternatives
-from realitygap.models.identify.examination import Examination
-from realitygap.models.senses.joined import WholeExamination
-from realitygap.models.used import REASONS
+from realitygap.models.belief.catalogue import causes
+from realitygap.models.log.used import REASONS
+from realitygap.models.naming.channels.motion.examination import Examination
+from realitygap.models.naming.channels.senses.joined import WholeExamination
+from realitygap.models.naming.diagnosis import alternatives
 from realitygap.studies.diagnosis import figures, sense_figures
 from realitygap.studies.diagnosis.next_experiment import next_section
 from realitygap.studies.diagnosis.words import (

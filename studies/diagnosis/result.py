@@ -9,8 +9,8 @@ from typing import Any
 
 import pandas as pd
 
-from realitygap.models.diagnosis import Verdict
-from realitygap.models.senses.joined import WholeExamination
+from realitygap.models.naming.channels.senses.joined import WholeExamination
+from realitygap.models.naming.diagnosis import Verdict
 from realitygap.studies.diagnosis.words import verdict_sentence
 from realitygap.studies.inputs.model import Model
 from realitygap.studies.pages.notebook import Told, rows_table

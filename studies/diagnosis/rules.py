@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from realitygap.models.rules import Rules, listed
+from realitygap.models.naming.rules import Rules, listed
 from realitygap.studies.plumbing.output import whole_file
 
 TITLE = "# The rules of naming"

@@ -9,8 +9,8 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from realitygap.models.senses.diagnose import SenseExamination
-from realitygap.models.senses.readings import CHANGES, KINDS
+from realitygap.models.naming.channels.senses.diagnose import SenseExamination
+from realitygap.models.naming.channels.senses.readings import CHANGES, KINDS
 
 DPI = 100
 

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from realitygap.models.catalogue import every_cause
-from realitygap.models.causes import causes
-from realitygap.models.diagnosis import (
+from realitygap.models.belief.catalogue import causes, every_cause
+from realitygap.models.log.named import Names
+from realitygap.models.naming.channels.motion.detectable import core
+from realitygap.models.naming.diagnosis import (
     Detectable,
     Diagnosis,
     Gain,
     Unexplained,
     alternatives,
 )
-from realitygap.models.identify.detectable import core
-from realitygap.models.identify.value import Value
-from realitygap.models.named import Names
+from realitygap.models.naming.engine.value import Value
 from realitygap.models.naming.findings import Named
-from realitygap.models.rules import Rules
+from realitygap.models.naming.rules import Rules
 
 VERDICTS = {
     "nothing_wrong": "Nothing wrong: no robot differs from health by more than healthy robots do.",

@@ -10,8 +10,8 @@ import pandas as pd
 
 from realitygap.embedded_sim import CONTROL_STEP, InputError
 from realitygap.embedded_sim.onboard import GENERATION_STEPS
-from realitygap.models.opened import parsing
-from realitygap.models.table_files import read_parquet
+from realitygap.models.log.opened import parsing
+from realitygap.models.log.table_files import read_parquet
 from realitygap.studies.run.experiment import HALVES
 
 COLUMNS = (

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from realitygap.embedded_sim.errors import InputError
 from realitygap.embedded_sim.tables import Tables
-from realitygap.models.modelfile import ModelFile
+from realitygap.models.belief.modelfile import ModelFile
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, ORACLE
 from realitygap.studies.inputs.model import Model
 

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from realitygap.embedded_sim.errors import InputError
-from realitygap.models.opened import json_values, parsing
+from realitygap.models.log.opened import json_values, parsing
 
 FILE = "transfer.json"
 SCHEMA = 1

@@ -14,10 +14,10 @@ from typing import Any
 import pandas as pd
 
 from realitygap.embedded_sim.errors import InputError
-from realitygap.models.modelfile import ModelFile
-from realitygap.models.named import numbered
-from realitygap.models.opened import json_values, parsing
-from realitygap.models.schema import coerce
+from realitygap.models.belief.modelfile import ModelFile
+from realitygap.models.log.named import numbered
+from realitygap.models.log.opened import json_values, parsing
+from realitygap.models.log.schema import coerce
 from realitygap.reality.effects import Hidden, parse_effects
 from realitygap.studies.gain.compared import Compared
 from realitygap.studies.gain.request import GainRequest

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from realitygap.models.extension import Extension
-from realitygap.models.modelfile import ModelFile
+from realitygap.models.belief.extension import Extension
+from realitygap.models.belief.modelfile import ModelFile
 from realitygap.reality.engine import DEFAULT, engine_name
 from realitygap.studies.gain.compared import compared
 from realitygap.studies.gain.food import FILE as FOOD

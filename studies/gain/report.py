@@ -11,7 +11,7 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from realitygap.models.replay import HORIZONS
+from realitygap.models.gap.replay import HORIZONS
 from realitygap.studies.gain.food import food_lines, food_table
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
 from realitygap.studies.gain.words import LABELS, SHOWN, number, percent

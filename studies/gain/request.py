@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from realitygap.models.modelfile import DEFAULT as ROBOT
+from realitygap.models.belief.modelfile import DEFAULT as ROBOT
 from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.studies.inputs.logs import Source
 from realitygap.studies.inputs.model import Model

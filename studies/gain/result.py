@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from realitygap.models.log import write_table
+from realitygap.models.log.measured import write_table
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
 from realitygap.studies.pages.notebook import Told
 from realitygap.studies.plumbing.output import whole_directory

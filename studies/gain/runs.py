@@ -13,9 +13,9 @@ import pandas as pd
 
 from realitygap.embedded_sim.model import Drive
 from realitygap.embedded_sim.tables import Tables
-from realitygap.models.log import MeasuredLog, make_log, read_log
-from realitygap.models.modelfile import ModelFile
-from realitygap.models.prediction import prediction_errors
+from realitygap.models.belief.modelfile import ModelFile
+from realitygap.models.log.measured import MeasuredLog, make_log, read_log
+from realitygap.models.naming.claims.prediction import prediction_errors
 from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.studies.plumbing.rooms import scratch
 from realitygap.studies.run.experiment import Case, RunConfig, simulate

@@ -10,9 +10,9 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from realitygap.embedded_sim.errors import InputError
-from realitygap.models.catalogue import every_cause
-from realitygap.models.modelfile import ModelFile
-from realitygap.models.opened import json_values, parsing
+from realitygap.models.belief.catalogue import every_cause
+from realitygap.models.belief.modelfile import ModelFile
+from realitygap.models.log.opened import json_values, parsing
 from realitygap.reality.effects import Hidden, catalogue
 from realitygap.reality.effects.spec import parse, spec_of
 from realitygap.studies.hidden.oracle import oracle

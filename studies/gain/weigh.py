@@ -14,7 +14,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.replay import HORIZONS
+from realitygap.models.gap.replay import HORIZONS
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
 
 RESAMPLED = 2000

@@ -10,11 +10,11 @@ import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from realitygap.models.flips import Map
-from realitygap.models.gap import LEVEL, Gap
-from realitygap.models.horizons import COLUMNS
-from realitygap.models.log import MeasuredLog
-from realitygap.models.motion_gap import UNITS, MotionGap
+from realitygap.models.gap.flips import Map
+from realitygap.models.gap.horizons import COLUMNS
+from realitygap.models.gap.motion_gap import UNITS, MotionGap
+from realitygap.models.gap.whole import LEVEL, Gap
+from realitygap.models.log.measured import MeasuredLog
 from realitygap.studies.fitness_gap.by_third import CoevolutionGap
 
 DPI = 110

@@ -10,8 +10,8 @@ from typing import Any
 
 import pandas as pd
 
-from realitygap.models import gap as replayed
-from realitygap.models.log import SAMPLES, write_table
+from realitygap.models.gap import whole as replayed
+from realitygap.models.log.measured import SAMPLES, write_table
 from realitygap.studies.fitness_gap.by_third import CoevolutionGap, coevolution_gap
 from realitygap.studies.fitness_gap.generations import find_generations, read_generations
 from realitygap.studies.gap.figures import draw_coevolution, draw_figures

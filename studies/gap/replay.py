@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 
 from realitygap.embedded_sim import InputError
-from realitygap.models.believed import motions, replay_believed
-from realitygap.models.frames import Windows, motion, moved, wrapped
-from realitygap.models.log import MeasuredLog
-from realitygap.models.replay import CHANNELS, errors, windows
+from realitygap.models.gap.believed import motions, replay_believed
+from realitygap.models.gap.replay import CHANNELS, errors, windows
+from realitygap.models.log.frames import Windows, motion, moved, wrapped
+from realitygap.models.log.measured import MeasuredLog
 from realitygap.studies.inputs.logs import AnyLog, as_log
 from realitygap.studies.inputs.model import AnyModel
 

@@ -6,13 +6,13 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from realitygap.models.flips import Map
-from realitygap.models.gap import LEVEL, TOTAL_LEVEL, Gap
-from realitygap.models.horizons import COLUMNS
-from realitygap.models.log import MeasuredLog
-from realitygap.models.motion_gap import UNITS
-from realitygap.models.noise import pose_noise
-from realitygap.models.shares import Share, explained
+from realitygap.models.gap.flips import Map
+from realitygap.models.gap.horizons import COLUMNS
+from realitygap.models.gap.motion_gap import UNITS
+from realitygap.models.gap.shares import Share, explained
+from realitygap.models.gap.whole import LEVEL, TOTAL_LEVEL, Gap
+from realitygap.models.log.measured import MeasuredLog
+from realitygap.models.log.noise import pose_noise
 from realitygap.studies.fitness_gap.by_third import CoevolutionGap
 from realitygap.studies.gap.words import ranked_maps, summary
 

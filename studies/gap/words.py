@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from realitygap.models.flips import Map
-from realitygap.models.gap import LEVEL, TOTAL_LEVEL, Gap
-from realitygap.models.log import MeasuredLog
-from realitygap.models.shares import Share, explained, telling
+from realitygap.models.gap.flips import Map
+from realitygap.models.gap.shares import Share, explained, telling
+from realitygap.models.gap.whole import LEVEL, TOTAL_LEVEL, Gap
+from realitygap.models.log.measured import MeasuredLog
 from realitygap.studies.fitness_gap.by_third import CoevolutionGap
 
 MOST = 10

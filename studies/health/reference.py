@@ -11,12 +11,22 @@ import numpy as np
 from realitygap.embedded_sim.errors import InputError
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.embedded_sim.probes import MENU, PREFIX
-from realitygap.models.claims import farthest_error
-from realitygap.models.identify.tracks import Tracks, cut_tracks
-from realitygap.models.naming.health import Told
-from realitygap.models.naming.measured import fit_inherent, make_reference, told_of, with_errors
-from realitygap.models.reference import LIKE, Reference, read_reference, write_reference
-from realitygap.models.senses.reference import (
+from realitygap.models.naming.channels.motion.claims import farthest_error
+from realitygap.models.naming.channels.motion.tracks import Tracks, cut_tracks
+from realitygap.models.naming.engine.health import Told
+from realitygap.models.naming.health.learned import (
+    fit_inherent,
+    make_reference,
+    told_of,
+    with_errors,
+)
+from realitygap.models.naming.health.reference import (
+    LIKE,
+    Reference,
+    read_reference,
+    write_reference,
+)
+from realitygap.models.naming.health.senses import (
     SenseReference,
     beside,
     read_sense_reference,
@@ -203,8 +213,8 @@ def _inherent(task: tuple[Source, Model]) -> FloatArray:
 
 
 def _terms(task: tuple[Source, Model, FloatArray]) -> Told:
-    from realitygap.models.causes import Motion
-    from realitygap.models.identify.inherent import INHERENT
+    from realitygap.models.belief.motion import Motion
+    from realitygap.models.naming.health.inherent import INHERENT
 
     log, model, inherent = task
     believed = Motion(drive=model.file.motion().drive)

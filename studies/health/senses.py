@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Executor
 
-from realitygap.models.held_out import parts
-from realitygap.models.naming.health import Told
-from realitygap.models.naming.measured import told_by
-from realitygap.models.naming.threads import one_thread
-from realitygap.models.senses.cause import Belief
-from realitygap.models.senses.reference import SenseReference, make_sense_reference
-from realitygap.models.senses.robot import SenseLog
-from realitygap.models.senses.sight import look
-from realitygap.models.sensor_gap import sensors_to_judge
+from realitygap.models.belief.senses import Belief
+from realitygap.models.gap.sensor_gap import sensors_to_judge
+from realitygap.models.log.held_out import parts
+from realitygap.models.naming.channels.senses.robot import SenseLog
+from realitygap.models.naming.channels.senses.sight import look
+from realitygap.models.naming.engine.health import Told
+from realitygap.models.naming.engine.threads import one_thread
+from realitygap.models.naming.health.learned import told_by
+from realitygap.models.naming.health.senses import SenseReference, make_sense_reference
 from realitygap.studies.inputs.logs import Source, read_logs
 from realitygap.studies.inputs.model import Model
 

@@ -12,8 +12,8 @@ from pathlib import Path
 import pandas as pd
 
 from realitygap.embedded_sim.probes import PREFIX
-from realitygap.models.catalogue import every_cause
-from realitygap.models.senses.cause import SenseCause
+from realitygap.models.belief.catalogue import every_cause
+from realitygap.models.belief.senses import SenseCause
 from realitygap.reality.effects import Effect, Parameter, catalogue
 from realitygap.studies.hidden.menu import MENU
 from realitygap.studies.plumbing.output import whole_file

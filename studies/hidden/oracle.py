@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from realitygap.models.catalogue import every_cause
-from realitygap.models.extension import Extension, NamedCause, ParameterValue
+from realitygap.models.belief.catalogue import every_cause
+from realitygap.models.belief.extension import Extension, NamedCause, ParameterValue
 from realitygap.reality.effects import Hidden
 from realitygap.studies.hidden.shares import as_told, given
 from realitygap.studies.inputs.model import Model

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from realitygap.models.catalogue import every_cause
+from realitygap.models.belief.catalogue import every_cause
 from realitygap.reality import constants as k
 from realitygap.reality.effects.effect import Value
 

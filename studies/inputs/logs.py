@@ -12,12 +12,19 @@ import numpy as np
 import pandas as pd
 
 from realitygap.embedded_sim.errors import InputError
-from realitygap.models.assumed import unlike
-from realitygap.models.log import EXPECTED, SAMPLES, MeasuredLog, make_log, read_table, write_table
-from realitygap.models.modelfile import ModelFile
-from realitygap.models.opened import opened
-from realitygap.models.schema import BODY_COMMANDS, WHEEL_COMMANDS
-from realitygap.models.table_files import MOST_BYTES
+from realitygap.models.belief.assumed import unlike
+from realitygap.models.belief.modelfile import ModelFile
+from realitygap.models.log.measured import (
+    EXPECTED,
+    SAMPLES,
+    MeasuredLog,
+    make_log,
+    read_table,
+    write_table,
+)
+from realitygap.models.log.opened import opened
+from realitygap.models.log.schema import BODY_COMMANDS, WHEEL_COMMANDS
+from realitygap.models.log.table_files import MOST_BYTES
 from realitygap.studies.inputs.model import AnyModel, Model
 from realitygap.studies.plumbing.output import Ours, whole_file
 from realitygap.studies.plumbing.provenance import file_read
@@ -60,7 +67,7 @@ class Source:
         """The table as it was given.
 
         Raises:
-            InputError: as `models.log.read_table`.
+            InputError: as `log.measured.read_table`.
         """
         if self.frame is not None:
             return self.frame
@@ -71,7 +78,7 @@ class Source:
         """The bytes that its SHA-256 is of; of a table in memory its columns and its rows' hashes.
 
         Raises:
-            InputError: as `models.opened.opened`; `field` is what to call the log there.
+            InputError: as `log.opened.opened`; `field` is what to call the log there.
         """
         if self.frame is not None:
             yield repr([str(name) for name in self.frame.columns]).encode()
@@ -201,7 +208,7 @@ def read_logs(given: AnyLog, model: ModelFile) -> MeasuredLog:
     """One measured log out of one or several; robots of one id are one robot in all of them.
 
     Raises:
-        InputError: as `models.log.read_log`, a log is given twice, or their commands differ.
+        InputError: as `log.measured.read_log`, a log is given twice, or their commands differ.
     """
     single = sources(given)
     if not single:

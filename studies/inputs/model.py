@@ -10,10 +10,10 @@ from typing import TypeAlias
 import pandas as pd
 
 from realitygap.embedded_sim import InputError, PointModel, Tables
-from realitygap.models.extended import NAME, extended_text, read_back
-from realitygap.models.extension import Extension
-from realitygap.models.modelfile import DEFAULT, ModelFile, find_model_file, read_model_file
-from realitygap.models.tables import load_tables, tables_bytes
+from realitygap.models.belief.extended import NAME, extended_text, read_back
+from realitygap.models.belief.extension import Extension
+from realitygap.models.belief.modelfile import DEFAULT, ModelFile, find_model_file, read_model_file
+from realitygap.models.belief.tables import load_tables, tables_bytes
 from realitygap.studies.pages.notebook import rows_table
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.provenance import file_read

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from realitygap.models.newmodel import model_text
+from realitygap.models.belief.new_model import model_text
 
 
 def new_model(

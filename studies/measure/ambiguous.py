@@ -19,7 +19,7 @@ import pandas as pd
 
 from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.embedded_sim.probes import PREFIX
-from realitygap.models.schema import ENCODERS, LS, PS
+from realitygap.models.log.schema import ENCODERS, LS, PS
 from realitygap.studies.diagnosis.diagnose import diagnose
 from realitygap.studies.plumbing.execution import Workers, processes
 from realitygap.studies.plumbing.output import whole_file

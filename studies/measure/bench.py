@@ -25,8 +25,8 @@ from realitygap.embedded_sim.breeding import CoEvolution
 from realitygap.embedded_sim.onboard import Swarm
 from realitygap.embedded_sim.simulator import FORMS, Form, has_form
 from realitygap.models import load_model, read_model_file
-from realitygap.models.catalogue import every_cause
-from realitygap.models.extension import Extension, NamedCause, ParameterValue
+from realitygap.models.belief.catalogue import every_cause
+from realitygap.models.belief.extension import Extension, NamedCause, ParameterValue
 from realitygap.reality.engine import DEFAULT, EngineName, engine_class, engine_name
 from realitygap.reality.senses import Infrared, Light, Tracker
 from realitygap.reality.world import World

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from realitygap.models.log import SAMPLES
-from realitygap.models.modelfile import find_model_file, read_model_file
-from realitygap.models.tables import load_tables
+from realitygap.models.belief.modelfile import find_model_file, read_model_file
+from realitygap.models.belief.tables import load_tables
+from realitygap.models.log.measured import SAMPLES
 from realitygap.reality.effects import catalogue, parse_effects
 from realitygap.studies.blind.record import diagnose
 from realitygap.studies.blind.trials import Hidden

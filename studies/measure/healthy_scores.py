@@ -19,13 +19,13 @@ from matplotlib.figure import Figure
 from scipy import stats
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.identify.tracks import cut_tracks
-from realitygap.models.modelfile import ModelFile, read_model_file
-from realitygap.models.naming.robot import robots_of
-from realitygap.models.naming.seen import scores
-from realitygap.models.naming.state import State
-from realitygap.models.naming.weighed import Weighed
-from realitygap.models.reference import Reference, shipped_reference
+from realitygap.models.belief.modelfile import ModelFile, read_model_file
+from realitygap.models.naming.channels.motion.robot import robots_of
+from realitygap.models.naming.channels.motion.tracks import cut_tracks
+from realitygap.models.naming.engine.seen import scores
+from realitygap.models.naming.engine.state import State
+from realitygap.models.naming.engine.weighed import Weighed
+from realitygap.models.naming.health.reference import Reference, shipped_reference
 from realitygap.studies.inputs.logs import read_logs
 from realitygap.studies.plumbing.output import whole_file
 

@@ -19,14 +19,14 @@ from matplotlib.figure import Figure
 
 from realitygap.embedded_sim import Drive
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.conditions import clear, conditions
-from realitygap.models.frames import Windows, motion
-from realitygap.models.log import MeasuredLog, read_log
-from realitygap.models.modelfile import ModelFile, load_model, read_model_file
-from realitygap.models.motion_gap import UNITS, motion_gap
-from realitygap.models.noise import pose_noise
-from realitygap.models.replay import replay_log
-from realitygap.models.sensor_gap import sensor_gap
+from realitygap.models.belief.modelfile import ModelFile, load_model, read_model_file
+from realitygap.models.gap.conditions import clear, conditions
+from realitygap.models.gap.motion_gap import UNITS, motion_gap
+from realitygap.models.gap.replay import replay_log
+from realitygap.models.gap.sensor_gap import sensor_gap
+from realitygap.models.log.frames import Windows, motion
+from realitygap.models.log.measured import MeasuredLog, read_log
+from realitygap.models.log.noise import pose_noise
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.rooms import scratch
 from realitygap.studies.run.experiment import simulate

@@ -9,7 +9,7 @@ import numpy as np
 
 from realitygap.embedded_sim import Tables
 from realitygap.models import load_model, load_tables, save_tables
-from realitygap.models.curves import tables_of
+from realitygap.models.belief.curves import tables_of
 from realitygap.reality import capture as protocol
 from realitygap.studies.plumbing.output import readable, whole_file
 from realitygap.studies.plumbing.progress import unseen

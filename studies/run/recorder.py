@@ -16,7 +16,7 @@ from realitygap.embedded_sim import CONTROL_STEP, SENSORS
 from realitygap.embedded_sim.breeding import third
 from realitygap.embedded_sim.genome import Genome
 from realitygap.embedded_sim.onboard import Generation
-from realitygap.models.table_files import RECORDER
+from realitygap.models.log.table_files import RECORDER
 
 if TYPE_CHECKING:
     from realitygap.embedded_sim.model import FloatArray

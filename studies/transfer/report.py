@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from realitygap.models.modelfile import load_models
+from realitygap.models.belief.modelfile import load_models
 from realitygap.studies.pages.page import Picture, Section, Table, write_page
 from realitygap.studies.paper import figures
 from realitygap.studies.paper.directory import StudyDirectory

@@ -16,7 +16,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from realitygap.embedded_sim import InputError
-from realitygap.models.table_files import RECORDER
+from realitygap.models.log.table_files import RECORDER
 from realitygap.reality.effects import catalogue, parse_effects
 from realitygap.studies.blind.battery import run_battery
 from realitygap.studies.blind.limits import detection_limit, share

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from realitygap.models.catalogue import every_cause
-from realitygap.models.causes.withheld import without
-from realitygap.models.identify.candidates import candidates
-from realitygap.models.naming.flexible import QUANTITIES as OF_MOTION
-from realitygap.models.senses.quantities import QUANTITIES as OF_READINGS
+from realitygap.models.belief.catalogue import every_cause
+from realitygap.models.belief.withheld import without
+from realitygap.models.naming.channels.motion.candidates import candidates
+from realitygap.models.naming.channels.motion.flexible import QUANTITIES as OF_MOTION
+from realitygap.models.naming.channels.senses.quantities import QUANTITIES as OF_READINGS
 from realitygap.studies.blind.battery import run_battery
 from realitygap.studies.blind.left_out import FOLLOWS, quantity_right
 from realitygap.studies.blind.record import diagnose

@@ -14,16 +14,12 @@ import numpy as np
 import pandas as pd
 
 from realitygap.embedded_sim import InputError
-from realitygap.models.log import read_log
-from realitygap.models.modelfile import (
-    ROBOTS,
-    find_model_file,
-    read_model_file,
-)
-from realitygap.models.reference import DIRECTORY, read_reference
-from realitygap.models.senses.reference import DIRECTORY as SENSES
-from realitygap.models.senses.reference import read_sense_reference
-from realitygap.models.tables import load_tables
+from realitygap.models.belief.modelfile import ROBOTS, find_model_file, read_model_file
+from realitygap.models.belief.tables import load_tables
+from realitygap.models.log.measured import read_log
+from realitygap.models.naming.health.reference import DIRECTORY, read_reference
+from realitygap.models.naming.health.senses import DIRECTORY as SENSES
+from realitygap.models.naming.health.senses import read_sense_reference
 from realitygap.reality.effects import parse_effects
 from realitygap.studies.fitness_gap.by_third import coevolution_gap
 from realitygap.studies.fitness_gap.generations import read_generations
@@ -154,7 +150,7 @@ WORK = (
     "realitygap.studies.measure.healthy_scores.distances",
     "realitygap.studies.measure.inherent_gap.measure",
     "realitygap.studies.measure.scaling.measure",
-    "realitygap.models.gap.measure_gap",
+    "realitygap.models.gap.whole.measure_gap",
 )
 """What takes time, and begins only after all words were checked."""
 

@@ -9,7 +9,7 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from realitygap.models.table_files import RECORDER
+from realitygap.models.log.table_files import RECORDER
 from realitygap.studies.blind.record import record
 from realitygap.studies.plumbing.rooms import scratch
 from tests.golden.plan import ALL, plan

@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.causes import Cause, Parameter
-from realitygap.models.identify.hypothesis import Term
-from realitygap.models.identify.tracks import BLOCK_WINDOWS, Tracks
-from realitygap.models.naming.columns import Item
-from realitygap.models.naming.health import Health
-from realitygap.models.naming.state import State
+from realitygap.models.belief.cause import Cause, Parameter
+from realitygap.models.naming.channels.motion.tracks import BLOCK_WINDOWS, Tracks
+from realitygap.models.naming.engine.health import Health
+from realitygap.models.naming.engine.hypothesis import Term
+from realitygap.models.naming.engine.items import Item
+from realitygap.models.naming.engine.state import State
 from tests.models.toys import WIDE, tracks
 
 Applied = tuple[tuple[str, FloatArray], ...]

@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.causes import Cause, Motion, Parameter
-from realitygap.models.identify.fit import Problem as MotionProblem
-from realitygap.models.identify.hypothesis import Term as MotionTerm
-from realitygap.models.identify.tracks import BLOCK_WINDOWS, Rows, Tracks
-from realitygap.models.noise import PoseNoise
-from realitygap.models.rules import Rules
+from realitygap.models.belief.cause import Cause, Parameter
+from realitygap.models.belief.motion import Motion
+from realitygap.models.log.noise import PoseNoise
+from realitygap.models.naming.channels.motion.fit import Problem as MotionProblem
+from realitygap.models.naming.channels.motion.tracks import BLOCK_WINDOWS, Rows, Tracks
+from realitygap.models.naming.engine.hypothesis import Term as MotionTerm
+from realitygap.models.naming.rules import Rules
 
 MOTION_DEGREES = Rules().row_freedom
 WIDE = 1e6

@@ -21,7 +21,7 @@ from realitygap.reality.pybullet_engine import PybulletEngine, bullet
 from realitygap.reality.world import World, scatter
 from tests.reality.hidden import world_of
 
-SHIPPED = Path(__file__).parents[2] / "models" / "captured" / "epuck.npz"
+SHIPPED = Path(__file__).parents[2] / "models" / "belief" / "captured" / "epuck.npz"
 
 
 def walls(world: World) -> float:

@@ -47,7 +47,7 @@ def test_a_terminal_without_our_letters_gets_escapes(tmp_path):
 
 @pytest.mark.parametrize("name", ["absolute", "above"])
 def test_a_given_model_is_kept_with_its_tables_wherever_they_lie(tmp_path, name):
-    robots = Path(__file__).parents[2] / "models"
+    robots = Path(__file__).parents[2] / "models" / "belief"
     tables = robots / "captured" / "epuck.npz"
     room = tmp_path / "lab" / "models"
     room.mkdir(parents=True)

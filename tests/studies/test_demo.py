@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from realitygap.models.modelfile import read_model_file
+from realitygap.models.belief.modelfile import read_model_file
 from realitygap.reality.effects import parse_effects
 from realitygap.studies.demo.chapters import CHAPTERS, tell
 from realitygap.studies.demo.hide import MENU_OF_THE_DEMO, draw, run_seed, seal, unseal

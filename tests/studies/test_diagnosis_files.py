@@ -8,9 +8,9 @@ import pytest
 
 import realitygap as rg
 from realitygap.embedded_sim import Drive, InputError
-from realitygap.models.extension import Extension, NamedCause, ParameterValue
-from realitygap.models.log import write_table
-from realitygap.models.modelfile import read_model_file
+from realitygap.models.belief.extension import Extension, NamedCause, ParameterValue
+from realitygap.models.belief.modelfile import read_model_file
+from realitygap.models.log.measured import write_table
 from realitygap.studies.inputs.logs import read_logs
 from tests.models.small import driven_log
 

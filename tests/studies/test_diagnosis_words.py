@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from realitygap.models.diagnosis import Detectable, Diagnosis, Unexplained
+from realitygap.models.naming.diagnosis import Detectable, Diagnosis, Unexplained
 from realitygap.studies.diagnosis.words import detectable_sentence, verdict_sentence
-from tests.models.test_diagnosis import LAG, named
+from tests.models.naming.test_diagnosis import LAG, named
 
 LEFT = Unexplained(channel="motion", share=0.2, where="it drifts", robots=(1,), quantity="error")
 REFUSED = replace(named(), exported=False, why="seen, but worse: not exported")

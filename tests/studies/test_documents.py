@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from realitygap.models.causes.cause import Cause
-from realitygap.models.causes.motion import Motion
+from realitygap.models.belief.cause import Cause
+from realitygap.models.belief.motion import Motion
 from realitygap.reality.effects.effect import Effect
 from realitygap.reality.hardware import Hardware
 from tests.helpers import ROOT, realitygap

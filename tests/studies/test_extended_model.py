@@ -9,8 +9,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from realitygap.models.extension import Extension, NamedCause, ParameterValue
-from realitygap.models.modelfile import read_model_file
+from realitygap.models.belief.extension import Extension, NamedCause, ParameterValue
+from realitygap.models.belief.modelfile import read_model_file
 from realitygap.studies.cli import main
 from realitygap.studies.inputs.model import Model
 

@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 
 from realitygap.embedded_sim import Drive, InputError
-from realitygap.models.extension import Extension, NamedCause, ParameterValue
-from realitygap.models.log import make_log, write_table
-from realitygap.models.modelfile import ModelFile, load_model, read_model_file
-from realitygap.models.prediction import prediction_errors
+from realitygap.models.belief.extension import Extension, NamedCause, ParameterValue
+from realitygap.models.belief.modelfile import ModelFile, load_model, read_model_file
+from realitygap.models.log.measured import make_log, write_table
+from realitygap.models.naming.claims.prediction import prediction_errors
 from realitygap.reality.effects import parse_effects
 from realitygap.studies.gain.food import food_lines, food_table, read_transfer
 from realitygap.studies.gain.measure import gain

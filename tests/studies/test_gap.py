@@ -10,9 +10,9 @@ import pytest
 
 import realitygap as rg
 from realitygap.embedded_sim import Drive, InputError
-from realitygap.models.gap import measure_gap
-from realitygap.models.log import make_log
-from realitygap.models.modelfile import read_model_file
+from realitygap.models.belief.modelfile import read_model_file
+from realitygap.models.gap.whole import measure_gap
+from realitygap.models.log.measured import make_log
 from realitygap.studies.cli import app
 from realitygap.studies.fitness_gap.by_third import coevolution_gap
 from realitygap.studies.fitness_gap.generations import read_generations

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 import realitygap as rg
-from realitygap.models.modelfile import read_model_file
+from realitygap.models.belief.modelfile import read_model_file
 from realitygap.studies.run.experiment import RunConfig, simulate
 from tests.helpers import realitygap
 

@@ -349,7 +349,7 @@ def test_a_catalogue_of_gains_is_resumed_group_by_group_and_never_mixed(
 
 
 def test_a_study_is_resumed_with_the_very_same_model_and_tables_only(tmp_path: Path) -> None:
-    from realitygap.models.modelfile import find_model_file
+    from realitygap.models.belief.modelfile import find_model_file
 
     source = find_model_file("epuck")
     text = source.read_text().replace("../captured/epuck.npz", "epuck.npz")

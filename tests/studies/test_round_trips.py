@@ -15,11 +15,9 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from realitygap.embedded_sim import InputError
-from realitygap.models.catalogue import every_cause
-from realitygap.models.extension import Extension, NamedCause, ParameterValue
-from realitygap.models.formats.mapped import SCALES, Map, Poses, Source, read_map
-from realitygap.models.identify.inherent import INHERENT
-from realitygap.models.modelfile import (
+from realitygap.models.belief.catalogue import every_cause
+from realitygap.models.belief.extension import Extension, NamedCause, ParameterValue
+from realitygap.models.belief.modelfile import (
     Arena,
     Circle,
     Lamps,
@@ -28,11 +26,18 @@ from realitygap.models.modelfile import (
     Robot,
     read_model_file,
 )
-from realitygap.models.opened import json_values
-from realitygap.models.reference import Column, Reference, read_reference, write_reference
-from realitygap.models.schema import UNITS
-from realitygap.models.senses.cause import SenseCause
-from realitygap.models.senses.reference import (
+from realitygap.models.belief.senses import SenseCause
+from realitygap.models.log.formats.mapped import SCALES, Map, Poses, Source, read_map
+from realitygap.models.log.opened import json_values
+from realitygap.models.log.schema import UNITS
+from realitygap.models.naming.health.inherent import INHERENT
+from realitygap.models.naming.health.reference import (
+    Column,
+    Reference,
+    read_reference,
+    write_reference,
+)
+from realitygap.models.naming.health.senses import (
     Health,
     SenseReference,
     read_sense_reference,

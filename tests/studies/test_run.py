@@ -17,7 +17,7 @@ import pytest
 
 from realitygap.embedded_sim import InputError
 from realitygap.embedded_sim.genome import CONTINUOUS
-from realitygap.models.modelfile import find_model_file
+from realitygap.models.belief.modelfile import find_model_file
 from realitygap.reality import constants as k
 from realitygap.studies.run.experiment import RunConfig, simulate
 from tests.helpers import COMMAND, LONG, ROOT, realitygap, until

@@ -7,15 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from realitygap.models.causes import Motion, causes
-from realitygap.models.diagnosis import Diagnosis, extension
-from realitygap.models.extension import NamedCause, ParameterValue
-from realitygap.models.identify.hypothesis import Term
-from realitygap.models.identify.value import Value
-from realitygap.models.modelfile import read_model_file
+from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.extension import NamedCause, ParameterValue
+from realitygap.models.belief.modelfile import read_model_file
+from realitygap.models.belief.motion import Motion
+from realitygap.models.naming.channels.motion.identify import _given
+from realitygap.models.naming.diagnosis import Diagnosis, extension
+from realitygap.models.naming.engine.hypothesis import Term
+from realitygap.models.naming.engine.value import Value
 from realitygap.models.naming.findings import Evidence, Named
-from realitygap.models.naming.identify import _given
-from realitygap.models.reference import shipped_reference
+from realitygap.models.naming.health.reference import shipped_reference
 from realitygap.reality import constants as k
 from realitygap.reality.effects import parse_effects
 from realitygap.studies.blind.scoring import Named as Told

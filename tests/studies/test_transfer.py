@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 from realitygap.embedded_sim import InputError
-from realitygap.models.modelfile import find_model_file, load_model, load_models
+from realitygap.models.belief.modelfile import find_model_file, load_model, load_models
 from realitygap.reality.effects import parse_effects
 from realitygap.studies.hidden.oracle import oracle, write_oracle
 from realitygap.studies.plumbing.execution import Workers

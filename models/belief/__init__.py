@@ -1,0 +1,1 @@
+"""What a simulator believes, as data: model files, captured tables, and the catalogue of causes."""

@@ -1,0 +1,37 @@
+"""Every cause of the catalogue: those that show in motion and those that show in the senses.
+
+A module of `belief/causes` defines `CAUSE`: its name and parameters are those of the physical
+effect it explains, written independently of how the effect is made.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from functools import cache
+
+from realitygap.models.belief import causes as folder
+from realitygap.models.belief.cause import Cause
+from realitygap.models.belief.senses import SenseCause
+
+
+@cache
+def every_cause() -> dict[str, Cause]:
+    """Every cause by name, in alphabetical order."""
+    found: dict[str, Cause] = {}
+    for module in sorted(pkgutil.iter_modules(folder.__path__), key=lambda m: m.name):
+        cause: Cause = importlib.import_module(f"{folder.__name__}.{module.name}").CAUSE
+        found[cause.name] = cause
+    return found
+
+
+@cache
+def causes() -> dict[str, Cause]:
+    """Those that show in motion."""
+    return {name: c for name, c in every_cause().items() if not isinstance(c, SenseCause)}
+
+
+@cache
+def sense_causes() -> dict[str, SenseCause]:
+    """Those that show in sensors, lamps and task."""
+    return {name: c for name, c in every_cause().items() if isinstance(c, SenseCause)}

@@ -1,0 +1,29 @@
+"""Both wheels are larger or smaller than believed: every motion is scaled."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.belief.cause import Cause, Parameter
+from realitygap.models.belief.motion import Motion
+
+
+def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
+    scale = float(values[0])
+    left, right = motion.drive.wheel_radius
+    drive = replace(motion.drive, wheel_radius=(left * scale, right * scale))
+    return replace(motion, drive=drive)
+
+
+CAUSE = Cause(
+    name="wheel_radius_scale",
+    meaning="both wheels are larger or smaller than the model has them, or all speeds are scaled",
+    parameters=(
+        Parameter(name="scale", unit="1", null=1.0, low=0.3, high=3.0, step=1e-3, link="factor"),
+    ),
+    change=_change,
+    geometric=True,
+    confusable_with=("speed_droop", "motor_saturation", "motor_dead_zone", "wheel_separation"),
+    experiment="straights",
+)

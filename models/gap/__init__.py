@@ -1,0 +1,1 @@
+"""How wrong a belief is, against a measured log."""

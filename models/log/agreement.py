@@ -1,0 +1,114 @@
+"""How well commanded and measured motion agree, read one way or another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from realitygap.embedded_sim import Drive, replay
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.log.frames import Windows, motion, wrapped
+from realitygap.models.log.unit_mistakes import Reading
+
+WINDOW = 1.0
+"""s; long against latencies of real robots (0.3 s), short against their drift."""
+STEPS = (1e-3, 2.0)
+"""s between rows that a log can have; beyond, time is in another unit."""
+STILL = (2e-3, 2e-2)
+"""m, rad: a motion below this says nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Driven:
+    """Rows of a log, one segment after another."""
+
+    t: FloatArray
+    """(rows,) s."""
+    poses: FloatArray
+    """(rows, 3) measured, NaN where lost."""
+    commands: FloatArray
+    """(rows, 2) rad/s."""
+    start: npt.NDArray[np.int64]
+    """(segments + 1,) first rows, and the row count."""
+    drive: Drive
+    """The nominal motion model."""
+
+    def part(self, ranges: Sequence[tuple[int, int]]) -> Driven:
+        """The rows from each first to before each last one, a segment each."""
+        rows = np.concatenate([np.arange(first, last) for first, last in ranges])
+        start = np.concatenate([[0], np.cumsum([last - first for first, last in ranges])])
+        return Driven(self.t[rows], self.poses[rows], self.commands[rows], start, self.drive)
+
+    def replayed(self, *, time: float = 1.0, command: float = 1.0) -> FloatArray:
+        """(rows, 3) poses that the commands lead to from the origin, every number times its
+        factor."""
+        origin = np.zeros((len(self.start) - 1, 3))
+        told = self.commands * command
+        return replay(self.t * time, told, self.start, origin, drive=self.drive).poses
+
+
+def usual_step(t: FloatArray) -> float | None:
+    """Median s between rows in which time goes on; None: there are none."""
+    steps = np.diff(t)
+    return float(np.median(steps[steps > 0])) if (steps > 0).any() else None
+
+
+def disagreement(rows: Driven, reading: Reading) -> float | None:
+    """How little measured and replayed motion agree under a reading, 0 to 1; None: no telling.
+
+    Per window |measured - replayed| / (|measured| + |replayed|), median over the windows that move;
+    the worse of place and heading.
+    """
+    step = usual_step(rows.t * reading.time)
+    if step is None or not STEPS[0] <= step <= STEPS[1]:
+        return None
+    ahead = max(1, round(WINDOW / step))
+    driven = rows.replayed(time=reading.time, command=reading.command)
+    seen = rows.poses * [reading.length, reading.length, reading.angle]
+    if reading.mirrored:
+        seen = seen * [1.0, -1.0, -1.0]
+    first = np.arange(len(rows.t) - ahead)
+    segment = np.searchsorted(rows.start, np.arange(len(rows.t)), side="right")
+    first = first[segment[first] == segment[first + ahead]]
+    ok = np.isfinite(seen[first]).all(axis=1) & np.isfinite(seen[first + ahead]).all(axis=1)
+    first = first[ok]
+    if len(first) < 5:
+        return None
+    pairs = Windows(first, first + ahead)
+    went, told = motion(seen, pairs), motion(driven, pairs)
+    place = np.hypot(*(went - told)[:, :2].T)
+    size = np.hypot(*went[:, :2].T) + np.hypot(*told[:, :2].T)
+    turn = np.abs(wrapped(went[:, 2] - told[:, 2]))
+    turned = np.abs(went[:, 2]) + np.abs(told[:, 2])
+    parts = {
+        name: float(np.median(np.minimum(off[moves] / total[moves], 1.0)))
+        for name, off, total, least in (
+            ("place", place, size, STILL[0]),
+            ("heading", turn, turned, STILL[1]),
+        )
+        if (moves := total > max(least, float(np.median(total)))).sum() >= 5
+    }
+    # a unit is not right because in it there is next to nothing left to disagree about
+    if reading.length != 1.0 and "place" not in parts:
+        return None
+    if abs(reading.angle) != 1.0 and "heading" not in parts:
+        return None
+    return max(parts.values()) if parts else None
+
+
+def contrast(rows: Driven) -> str:
+    """What was commanded and what was measured, in words."""
+    told, went = _rates(rows, rows.replayed()), _rates(rows, rows.poses)
+    return f"commands of {told} and measured motion of {went}"
+
+
+def _rates(rows: Driven, poses: FloatArray) -> str:
+    """Median speed and turn rate of poses as the log counts them."""
+    same = np.ones(len(rows.t) - 1, dtype=bool)
+    same[rows.start[1:-1] - 1] = False
+    change = np.abs(np.diff(poses, axis=0) / np.diff(rows.t)[:, None])[same]
+    speed = float(np.nanmedian(np.hypot(change[:, 0], change[:, 1])))
+    return f"{speed:.2g} m/s and {float(np.nanmedian(change[:, 2])):.2g} rad/s"

@@ -1,0 +1,1 @@
+"""From a log and a belief to a diagnosis."""

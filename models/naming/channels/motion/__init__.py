@@ -1,0 +1,1 @@
+"""Pose windows, and the wheels' encoders where a log has them."""

@@ -1,0 +1,119 @@
+"""From a measured log to a diagnosis: cut, identify, look for what is left, weigh the claims."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.causes.motor_dead_zone import least_seen
+from realitygap.models.belief.modelfile import ModelFile
+from realitygap.models.gap.conditions import conditions
+from realitygap.models.log.measured import MeasuredLog
+from realitygap.models.naming.channels.motion.claims import claimed
+from realitygap.models.naming.channels.motion.examination import Examination
+from realitygap.models.naming.channels.motion.identify import identify
+from realitygap.models.naming.channels.motion.leftover import leftover
+from realitygap.models.naming.channels.motion.tracks import Tracks, cut_tracks
+from realitygap.models.naming.channels.motion.unmeasured import unmeasured
+from realitygap.models.naming.diagnosis import Diagnosis
+from realitygap.models.naming.health.reference import Reference, no_reference
+from realitygap.models.naming.rules import Rules
+
+
+def diagnose(
+    log: MeasuredLog,
+    model: ModelFile,
+    reference: Reference | None,
+    *,
+    rules: Rules = Rules(),
+    seed: int = 0,
+    name: str = "model",
+) -> Examination:
+    """Say what is wrong with the robots of a log.
+
+    Args:
+        log: Measured.
+        model: What the simulator believes.
+        reference: What healthy robots do; None: nobody knows.
+        rules: What naming is tuned to.
+        seed: Of the bootstrap.
+        name: What to call the model's file in an error.
+
+    Raises:
+        InputError: nothing in the log can be used, or the model's extension concerns a robot that
+            the log does not have.
+    """
+    table = conditions(log, model)
+    tracks = cut_tracks(log, model, table=table, rules=rules)
+    if model.extension is not None:
+        model.extension.check_robots(tracks.robots, name)
+    believed = [model.motion(robot) for robot in tracks.robots]
+    healthy = (
+        no_reference(model.name, model.motion().drive, rules) if reference is None else reference
+    )
+    alike = healthy.recorded_like(log.recorder, log.step)
+    found = identify(tracks, healthy, believed, alike=alike)
+    examined = Examination(
+        tracks=tracks,
+        model=model,
+        reference=healthy,
+        identified=found,
+        diagnosis=Diagnosis(
+            named=found.named,
+            unexplained=leftover(tracks, found),
+            not_checked=(
+                *_not_checked(tracks, reference),
+                *unmeasured(tracks, found.base, healthy, found.away),
+            ),
+            notes=log.notes,
+            robots=tracks.robots,
+            rules=rules,
+            reference="" if reference is None else reference.model,
+        ),
+    )
+    return claimed(examined, log, table, seed=seed)
+
+
+def _not_checked(tracks: Tracks, reference: Reference | None) -> tuple[str, ...]:
+    """What this log cannot say, in words."""
+    said = []
+    if reference is None:
+        said.append(
+            "no healthy reference: what every robot of this kind does (slip, finite torque, "
+            "latency) is named like a fault, and how much healthy robots differ is not known"
+        )
+    said += _too_little(tracks)
+    if tracks.encoders is None:
+        pairs = sorted(
+            {
+                tuple(sorted((c.name, t)))
+                for c in causes().values()
+                for t in c.twins
+                if c.separated_by
+            }
+        )
+        said += [f"no encoders: {a} and {b} cannot be told apart" for a, b in pairs]
+    slowest = least_seen(tracks.commands)
+    said.append(
+        f"motor_dead_zone below {slowest:.2g} rad/s: so slow commands are too rare in this log"
+        if np.isfinite(slowest)
+        else "motor_dead_zone: no slow commands in this log"
+    )
+    said += [f"{c.name}: {c.meaning}" for c in causes().values() if not c.identifiable]
+    return tuple(said)
+
+
+def _too_little(tracks: Tracks) -> list[str]:
+    """Robots that moved too little to be called sound."""
+    least = tracks.rules.few_seconds
+    told = np.any(tracks.commands[tracks.rows[tracks.first]] != 0.0, axis=1)
+    took = tracks.t[np.append(tracks.rows[tracks.first[1:] - 1], tracks.rows[-1])]
+    seconds = (took - tracks.t[tracks.rows[tracks.first]]) * told
+    moved = np.bincount(tracks.robot, seconds, len(tracks.robots))
+    few = ", ".join(str(r) for r, s in zip(tracks.robots, moved, strict=True) if s < least)
+    if not few:
+        return []
+    return [
+        f"motion of robots {few}: less than {least:g} s of free motion under a command, in "
+        "which only gross faults show"
+    ]

@@ -1,0 +1,77 @@
+"""What the tracker and the encoders should have seen if robots moved as believed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.belief.motion import Motion
+from realitygap.models.gap.driven import driven, recorded, with_changes
+from realitygap.models.naming.channels.motion.tracks import Rows, Tracks
+
+
+def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
+    """(n, 3) predicted measured poses at the tracks' `rows`, each segment from the origin.
+
+    Args:
+        tracks: Whose commands.
+        motions: One per robot of `tracks.robots`.
+    """
+    path = np.empty((len(tracks.t), 3))
+    for robot, (begin, end, cut) in enumerate(_pieces(tracks)):
+        motion = motions[robot]
+        path[begin:end] = driven(
+            tracks.t[begin:end],
+            tracks.commands[begin:end],
+            cut,
+            motion.drive,
+            motion.motor_delay + motion.pose_delay,
+        )
+        path[begin:end] = recorded(tracks.t[begin:end], path[begin:end], cut, motion)
+    seen = path[tracks.rows]
+    lever = np.array([m.lever for m in motions])
+    if lever.any():
+        arm = lever[tracks.row_robot[tracks.rows]]
+        c, s = np.cos(seen[:, 2]), np.sin(seen[:, 2])
+        seen[:, 0] += c * arm[:, 0] - s * arm[:, 1]
+        seen[:, 1] += s * arm[:, 0] + c * arm[:, 1]
+    scale = np.array([m.pose_scale for m in motions])
+    if (scale != 1.0).any():
+        seen[:, :2] *= scale[tracks.row_robot[tracks.rows], None]
+    turned = np.array([m.yaw_offset for m in motions])
+    if turned.any():
+        seen[:, 2] += turned[tracks.row_robot[tracks.rows]]
+    return seen
+
+
+def wheel_angles(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
+    """(rows, 2) rad each wheel has turned by each row, from 0 at its segment's first row."""
+    angles = np.empty((len(tracks.t), 2))
+    for robot, (begin, end, cut) in enumerate(_pieces(tracks)):
+        drive = motions[robot].wheels
+        for side in (0, 1):
+            # a body with one wheel of 1 m and an axle of 1 m turns as that wheel does
+            radius = (0.0, 1.0) if side else (-1.0, 0.0)
+            alone = with_changes(drive, wheel_radius=radius, axle=1.0)
+            turned = driven(
+                tracks.t[begin:end],
+                tracks.commands[begin:end],
+                cut,
+                alone,
+                motions[robot].motor_delay,
+            )
+            angles[begin:end, side] = turned[:, 2]
+    return angles
+
+
+def _pieces(tracks: Tracks) -> list[tuple[int, int, Rows]]:
+    """Per robot: its first row, the row after its last, and its segments' first rows from there."""
+    edge = np.searchsorted(tracks.segment_robot, np.arange(len(tracks.robots) + 1))
+    found = []
+    for a, b in pairwise(edge):
+        cut = tracks.start[a : b + 1]
+        found.append((int(cut[0]), int(cut[-1]), cut - cut[0]))
+    return found

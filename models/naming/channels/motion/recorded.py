@@ -1,0 +1,39 @@
+"""Healthy motion as the rows of a log show it: how they were recorded, fitted to all robots."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from realitygap.models.belief.cause import ALL
+from realitygap.models.belief.motion import Motion
+from realitygap.models.naming.channels.motion.recording import recording
+from realitygap.models.naming.channels.motion.robot import robots_of
+from realitygap.models.naming.channels.motion.tracks import Tracks
+from realitygap.models.naming.engine.fitter import Fitter
+from realitygap.models.naming.engine.health import Health
+from realitygap.models.naming.engine.hypothesis import Term
+from realitygap.models.naming.engine.state import SWARM, State
+from realitygap.models.naming.engine.weighed import Weighed
+
+ROUNDS = 2
+"""Times the noise is learned anew at the recording found. No rule: a limit of iterations."""
+
+
+def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> tuple[Motion, ...]:
+    """(robots,) motions with how the log was recorded.
+
+    Args:
+        tracks: The log's.
+        base: (robots,) healthy.
+        health: How robots and swarms differ.
+    """
+    term = Term(recording(tracks.step, tracks.rules), ALL)
+    found = np.zeros(len(term.cause.parameters))
+    for _ in range(ROUNDS):
+        here = [term.cause.applied(motion, found, ALL) for motion in base]
+        there = tuple(robots_of(tracks, here, doses=False))
+        fit = Fitter(Weighed(State(tracks, base, there, health)), SWARM).fit([term], [found])
+        if fit is None:
+            break
+        (found,) = fit.coordinates
+    return tuple(term.cause.applied(motion, found, ALL) for motion in base)

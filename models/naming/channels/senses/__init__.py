@@ -1,0 +1,1 @@
+"""Infrared, light and the nest."""

@@ -1,0 +1,121 @@
+"""What a log says of every column in every scope, given what is believed so far."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.log.frames import Rows
+from realitygap.models.naming.engine.marginal import (
+    EMPTY,
+    FLAT,
+    Prior,
+    Score,
+    Shared,
+    beside,
+    freed,
+    integrated,
+    root_of,
+    shared,
+)
+from realitygap.models.naming.engine.state import SWARM, State
+
+
+class Weighed:
+    """A state's scores: of every robot by itself, beside its swarm, and of the swarm."""
+
+    def __init__(self, state: State) -> None:
+        self.state = state
+        names = state.robots[0].names
+        self.prior, common = state.health.on(names, state.rules)
+        recorded = np.array([state.unsure.get(name, 0.0) for name in names])
+        self._shared: FloatArray = np.hypot(common, recorded)
+        self.alone = [self._alone(k) for k in range(len(state.robots))]
+        self.free = self._columns(SWARM)
+        self.spread = self._spread(self.free)
+        self.common: Shared = shared(self.alone, self.spread)
+
+    def score(self, scope: int) -> Score:
+        """Of every column in a scope, what is kept there fitted too."""
+        if scope == SWARM:
+            return freed(self.common.total, self.free)
+        return beside(self.alone[scope], self.common)
+
+    def with_flexible(self, scope: int) -> Score:
+        """Of every column in a scope, its causes fitted and its flexible terms not."""
+        if scope != SWARM:
+            return beside(self._alone(scope, flexible=False), self.common)
+        free = self._columns(SWARM, flexible=False)
+        return freed(shared(self.alone, self._spread(free)).total, free)
+
+    def fitted(self, k: int) -> Rows:
+        """Columns that a robot has free by itself."""
+        return self._columns(k)
+
+    def _columns(self, scope: int, *, flexible: bool = True) -> Rows:
+        """Of what is kept in a scope."""
+        kept = [one.item for one in self.state.of(scope) if one.item.dose is None]
+        return np.array(
+            [c for item in kept if flexible or item.term is not None for c in item.columns],
+            dtype=np.int64,
+        )
+
+    @property
+    def unfitted(self) -> FloatArray:
+        """(k,) standard deviations of what swarms have in common."""
+        return self._shared
+
+    def _spread(self, free: Rows) -> FloatArray:
+        """(k,) of what a swarm has in common, without bound where it is fitted."""
+        spread = self._shared.copy()
+        size = np.sum([np.diag(s.information)[free] for s in self.alone], axis=0)
+        spread[free] = FLAT / np.sqrt(np.maximum(size, EMPTY))
+        return spread
+
+    def prior_of(self, k: int) -> Prior:
+        """Of one robot, with what its causes feign beside."""
+        return _feigning(self.prior, self.state, k)
+
+    def prior_beside(self, k: int) -> Prior:
+        """Of one robot, what its swarm has in common believed as the other robots say."""
+        prior = self.prior_of(k)
+        w = np.sum([s.information for j, s in enumerate(self.alone) if j != k], axis=0)
+        t = np.sum([s.slope for j, s in enumerate(self.alone) if j != k], axis=0)
+        if len(self.alone) < 2:
+            w, t = np.zeros_like(self.alone[k].information), np.zeros(len(self.spread))
+        inner = np.linalg.inv(np.eye(len(t)) + self.spread[:, None] * w * self.spread)
+        shift = self.spread[:, None] * inner * self.spread
+        at = prior.at
+        own = prior.root @ prior.root.T + shift[np.ix_(at, at)]
+        return Prior(at, prior.mean + (shift @ t)[at], root_of(own))
+
+    def _alone(self, k: int, *, flexible: bool = True) -> Score:
+        robot = self.state.robots[k]
+        errors = robot.own_errors
+        score = integrated(
+            robot.information,
+            robot.pulled(errors[:, None])[0],
+            float(errors @ errors),
+            self.prior_of(k),
+        )
+        return freed(score, self._columns(k, flexible=flexible))
+
+
+def _feigning(prior: Prior, state: State, k: int) -> Prior:
+    """A prior with what rough causes of a robot make other causes seem."""
+    rough = [
+        one.item.term.cause
+        for scope in (SWARM, k)
+        for one in state.of(scope)
+        if one.item.term is not None and one.item.term.cause.feigns
+    ]
+    if not rough:
+        return prior
+    names = state.robots[k].names
+    extra = np.zeros(len(prior.at))
+    for cause in rough:
+        for i, c in enumerate(prior.at):
+            called = names[c]
+            key = called.partition(".")[0].partition("/")[0] if "." in called else called
+            extra[i] += cause.feigns.get(key, 0.0) ** 2
+    return prior._replace(root=root_of(prior.root @ prior.root.T + np.diag(extra)))

@@ -1,0 +1,1 @@
+"""What healthy robots are like, learned from healthy logs."""

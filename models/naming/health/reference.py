@@ -1,0 +1,229 @@
+"""The healthy reference: what healthy robots do beyond the model, and how much they differ.
+
+Made from logs of robots known to be sound. It holds the inherent motion
+(`health.inherent`), how robots and whole swarms differ in every coefficient that may
+differ (`engine.health`), and the gates: how much deviance something must take off beyond
+what such differences would. What is named later is what changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar, Protocol, Self, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import Field, model_validator
+
+from realitygap.embedded_sim import Drive
+from realitygap.embedded_sim.errors import quoted
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.belief.motion import Motion
+from realitygap.models.log.files import Finite, Refused, read_json, write_json
+from realitygap.models.naming.engine.gates import Gates
+from realitygap.models.naming.engine.health import Health
+from realitygap.models.naming.engine.hypothesis import Term
+from realitygap.models.naming.health.inherent import INHERENT
+from realitygap.models.naming.rules import Rules
+
+DIRECTORY = Path(__file__).parent / "references"
+SCHEMA = 2
+"""Of the file. No rule."""
+LIKE = 0.01
+"""Relative difference of two logs' steps that is none: written times are rounded. No rule."""
+
+
+class Column(Finite):
+    """What healthy robots get for one coefficient (`motion.columns`), in its unit."""
+
+    mean: float
+    """Beyond the inherent motion."""
+    sd: float
+    """Between robots, their own uncertainty taken off."""
+    swarm_sd: float
+    """Between whole swarms (runs)."""
+
+
+class Spreads(Finite):
+    """How healthy robots differ in every coefficient that was measured."""
+
+    model: str
+    """Name in the model file it was made with."""
+    robots: int
+    swarms: int
+    """Healthy robots and runs it was made from."""
+    columns: dict[str, Column] = Field(default_factory=dict)
+    """By name of a coefficient."""
+    causes: tuple[str, ...] = ()
+    """Names among them that vary jointly,"""
+    correlation: tuple[tuple[float, ...], ...] = ()
+    """and their correlation between robots, row by row."""
+    gates: Gates = Gates()
+    recorder: str = ""
+    """What recorded the logs it was made from (`MeasuredLog.recorder`), where all say the same,"""
+    step: float = 0.0
+    """and s between their rows."""
+    command: str = ""
+    """What made it."""
+    schema_number: ClassVar[int]
+    """Of files that this program reads."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_this_schema(cls, values: Any) -> Any:
+        """Refuse a reference of another program before its keys are."""
+        ours = cls.schema_number
+        if isinstance(values, dict) and values.get("schema_version", ours) != ours:
+            expected = f"{ours}; make it anew with `realitygap reference`"
+            raise Refused("schema_version", quoted(values["schema_version"]), expected)
+        return values
+
+    @model_validator(mode="after")
+    def _related(self) -> Self:
+        """Refuse correlations of other names."""
+        square = [len(row) for row in self.correlation]
+        if square != [len(self.causes)] * len(self.causes):
+            expected = f"{len(self.causes)} rows of as many numbers, one per name in causes"
+            raise Refused("correlation", f"rows of {square} numbers", expected)
+        for name in self.causes:
+            if name not in self.columns:
+                raise Refused("causes", repr(name), "names in columns")
+        return self
+
+    def recorded_like(self, recorder: str, step: float) -> bool:
+        """Whether a log is known to be recorded as the reference's were, rows `step` s apart."""
+        return bool(recorder) and recorder == self.recorder and abs(step - self.step) < LIKE * step
+
+    def knows(self, names: Iterable[str]) -> npt.NDArray[np.bool_]:
+        """Which coefficients were measured in healthy robots; all, where health is not asked for.
+
+        A whole dose (`motion.columns`) is known where its term's coefficients are; a term
+        that has none, such as a limit, is: healthy robots show nothing of it.
+        """
+        listed = list(names)
+        unknown = {n.partition(".")[0] for n in listed if "@" not in n and n not in self.columns}
+        known = [
+            n.partition("@")[0] not in unknown if "@" in n else n in self.columns for n in listed
+        ]
+        return np.array([not self.robots or one for one in known])
+
+    def knows_flexible(self, key: str) -> bool:
+        """Whether what a channel gets for a quantity was measured."""
+        return not self.robots or any(n == key or n.startswith(f"{key} ") for n in self.columns)
+
+    @cached_property
+    def learned(self) -> Health:
+        """The distribution of healthy robots."""
+        names = tuple(self.columns)
+        sd = np.array([one.sd for one in self.columns.values()])
+        related = np.eye(len(names))
+        at = [names.index(name) for name in self.causes]
+        if at:
+            related[np.ix_(at, at)] = np.array(self.correlation)
+        return Health(
+            names=names,
+            mean=np.array([one.mean for one in self.columns.values()]),
+            covariance=related * sd[:, None] * sd,
+            swarm=np.array([one.swarm_sd**2 for one in self.columns.values()]),
+            robots=self.robots,
+            swarms=self.swarms,
+        )
+
+
+class Reference(Spreads):
+    """What is believed of healthy robots' motion."""
+
+    schema_number: ClassVar[int] = SCHEMA
+    schema_version: int = SCHEMA
+    wheel_radius: float
+    axle: float
+    """m, of the model."""
+    inherent: tuple[float, ...]
+    """Coordinates of `health.inherent.INHERENT`."""
+    inputs: tuple[dict[str, str], ...] = ()
+    """The files it was made from: `option`, `file`, `sha256`."""
+
+    @model_validator(mode="after")
+    def _sized(self) -> Reference:
+        """Refuse coordinates of other terms than ours."""
+        if len(self.inherent) != len(INHERENT.parameters):
+            expected = f"{len(INHERENT.parameters)} numbers"
+            raise Refused("inherent", f"{len(self.inherent)} numbers", expected)
+        return self
+
+    def motion(self, believed: Motion) -> Motion:
+        """A healthy robot's motion where the model believes another."""
+        if not self.robots:
+            return believed
+        return INHERENT.applied(believed, np.array(self.inherent))
+
+    def knows_term(self, term: Term) -> bool:
+        """Whether all of a term's coefficients were measured."""
+        if not term.cause.smooth or not all(np.isfinite(p.null) for p in term.cause.parameters):
+            return True
+        return bool(self.knows(f"{term.key}.{p.name}" for p in term.cause.parameters).all())
+
+    def mean(self, term: Term) -> FloatArray:
+        """(p,) healthy mean of a term's coordinates beyond the inherent motion."""
+        names = [f"{term.key}.{p.name}" for p in term.cause.parameters]
+        return np.array([self.columns[n].mean if n in self.columns else 0.0 for n in names])
+
+
+def write_reference(reference: Reference, path: Path) -> None:
+    """Write as JSON, numbers at full precision."""
+    write_json(reference, path)
+
+
+def read_reference(path: Path) -> Reference:
+    """Read a reference file.
+
+    Raises:
+        InputError: there is no such file, or it is not a reference.
+    """
+    what = "a healthy reference of `realitygap reference`, or none"
+    return read_json(Reference, path, what, field="--reference")
+
+
+def shipped_reference(model: str, *, manoeuvres: bool = False) -> Reference | None:
+    """The reference that comes with the package for a model of this name; None: there is none.
+
+    With `manoeuvres` that of robots which stop and reverse, where there is one.
+    """
+    return find_shipped(DIRECTORY, read_reference, model, manoeuvres=manoeuvres)
+
+
+class _OfModel(Protocol):
+    @property
+    def model(self) -> str:
+        """Name in the model file it was made with."""
+
+
+Kept = TypeVar("Kept", bound=_OfModel)
+
+
+def find_shipped(
+    directory: Path, read: Callable[[Path], Kept], model: str, *, manoeuvres: bool
+) -> Kept | None:
+    """The first reference for a model of this name in a directory; None: there is none.
+
+    With `manoeuvres` the directory's folder of that name is looked at first.
+    """
+    for folder in ([directory / "manoeuvres"] if manoeuvres else []) + [directory]:
+        for reference in map(read, sorted(folder.glob("*.json"))):
+            if reference.model == model:
+                return reference
+    return None
+
+
+def no_reference(model: str, drive: Drive, rules: Rules = Rules()) -> Reference:
+    """What is believed where nobody measured healthy robots: the minimal model, no spread."""
+    return Reference(
+        model=model,
+        wheel_radius=float(np.mean(drive.wheel_radius)),
+        axle=drive.axle,
+        robots=0,
+        swarms=0,
+        inherent=(0.0,) * len(INHERENT.parameters),
+    )

@@ -1,1 +1,0 @@
-"""Naming what is wrong with sensors, lamps and the task, from the log alone."""
