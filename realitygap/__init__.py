@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from realitygap.embedded_sim.errors import Diverged, InputError
+    from realitygap.models.belief.new_model import new_model
     from realitygap.models.naming.rules import Rules
     from realitygap.studies import study
     from realitygap.studies.blind.battery import blind
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from realitygap.studies.inputs.imported import guessed_map, import_log, read_log, topics
     from realitygap.studies.inputs.logs import Log
     from realitygap.studies.inputs.model import Model
-    from realitygap.studies.inputs.robot import new_model
     from realitygap.studies.plumbing.execution import Unfinished
     from realitygap.studies.run.capture import capture
     from realitygap.studies.run.simulate import RunResult, simulate
@@ -62,7 +62,7 @@ _WHERE = {
     "import_log": "studies.inputs.imported",
     "measure_gap": "studies.gap.measure",
     "measure_health": "studies.health.reference",
-    "new_model": "studies.inputs.robot",
+    "new_model": "models.belief.new_model",
     "read_log": "studies.inputs.imported",
     "replay": "studies.gap.replay",
     "rules": "studies.diagnosis.rules",

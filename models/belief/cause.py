@@ -46,10 +46,6 @@ class Parameter:
     unsure: float = 0.0
     """Standard error of the coordinate that no log takes away, as of a place that tables tell."""
 
-    elsewhere: float = 0.0
-    """Standard deviation of the coordinate that sound robots get elsewhere than in a reference's
-    runs, such as robots that circle because they are half blind. For the gate alone."""
-
     @property
     def zero(self) -> float:
         """Null that coordinates count from."""

@@ -17,7 +17,7 @@ NEW = Path("new model")
 """What it is called in a refusal."""
 
 
-def model_text(
+def new_model(
     *,
     wheel_radius: float,
     axle: float,

@@ -7,7 +7,7 @@ this module; the tests speak of logs, terms and blocks.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from realitygap.models.belief.cause import Cause, Parameter
 from realitygap.models.belief.motion import Motion
 from realitygap.models.log.noise import PoseNoise
 from realitygap.models.naming.channels.motion.fit import Problem as MotionProblem
-from realitygap.models.naming.channels.motion.tracks import BLOCK_WINDOWS, Rows, Tracks
+from realitygap.models.naming.channels.motion.tracks import BLOCK_WINDOWS, Tracks
 from realitygap.models.naming.engine.hypothesis import Term as MotionTerm
 from realitygap.models.naming.rules import Rules
 
@@ -109,19 +109,12 @@ class Fitted:
     """(logs, p)."""
     covariance: FloatArray
     """(logs, p, p)."""
-    gain: FloatArray
-    """(logs,) held-out squared errors, in noise, that the term takes off."""
-    fold: Rows = field(repr=False)
-    """(blocks,) which blocks of the first log are held out together."""
 
 
 def fit_motion(y: FloatArray, x: FloatArray, *, at: FloatArray | None = None) -> Fitted:
     """The engine of motion; each log a robot. `at` (logs, p): coordinates that are not fitted."""
     problem = MotionToy(y, {"x": x})
     term = motion_term("x", x.shape[3])
-    none = problem.at((), np.zeros((len(y), 0)))
     start = np.zeros((len(y), x.shape[3]))
     fit = problem.fit((term,), [start]) if at is None else problem.at((term,), at)
-    gain = problem.by_group(problem.gain(none, fit)) / ((MOTION_DEGREES + 1.0) / MOTION_DEGREES)
-    fold = np.arange(y.shape[1]) % 5
-    return Fitted(fit.coordinates, fit.covariance, gain, fold)
+    return Fitted(fit.coordinates, fit.covariance)

@@ -8,7 +8,7 @@ import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.cause import Cause, Parameter
-from realitygap.models.belief.causes.command_latency import ELSEWHERE, FEIGNS, UNSURE
+from realitygap.models.belief.causes.command_latency import FEIGNS, UNSURE
 from realitygap.models.belief.motion import Motion
 
 
@@ -35,7 +35,6 @@ CAUSE = Cause(
             low=-1.0,
             high=1.0,
             step=1e-3,
-            elsewhere=ELSEWHERE,
             unsure=UNSURE,
         ),
     ),

@@ -8,8 +8,6 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.cause import Cause, Parameter
 from realitygap.models.belief.motion import Motion
 
-ELSEWHERE = 5e-4
-"""s, measured in sound robots of the rigid-body world that circle, as are the other causes'."""
 UNSURE = 3e-4
 """s: measured by injecting latencies of 2 to 25 ms into searching swarms of the rigid-body world:
 they came out up to 0.7 ms short."""
@@ -45,7 +43,6 @@ CAUSE = Cause(
             low=-0.1,
             high=1.0,
             step=1e-3,
-            elsewhere=ELSEWHERE,
             unsure=UNSURE,
         ),
     ),

@@ -8,9 +8,6 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.cause import Cause, Parameter
 from realitygap.models.belief.motion import Motion
 
-ELSEWHERE = 1e-4
-"""m, as of `command_latency`."""
-
 
 def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
     lever = (motion.lever[0] + float(values[0]), motion.lever[1] + float(values[1]))
@@ -29,7 +26,6 @@ CAUSE = Cause(
             high=0.5,
             step=5e-4,
             doubt=0.03,
-            elsewhere=ELSEWHERE,
         ),
         Parameter(
             name="y",
@@ -39,7 +35,6 @@ CAUSE = Cause(
             high=0.5,
             step=5e-4,
             doubt=0.03,
-            elsewhere=ELSEWHERE,
         ),
     ),
     change=_change,

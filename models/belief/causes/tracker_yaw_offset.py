@@ -8,9 +8,6 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.cause import Cause, Parameter
 from realitygap.models.belief.motion import Motion
 
-ELSEWHERE = 3e-3
-"""rad, as of `command_latency`."""
-
 
 def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
     return replace(motion, yaw_offset=motion.yaw_offset + float(values[0]))
@@ -28,7 +25,6 @@ CAUSE = Cause(
             high=3.2,
             step=2e-3,
             doubt=0.03,
-            elsewhere=ELSEWHERE,
         ),
     ),
     change=_change,

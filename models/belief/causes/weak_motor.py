@@ -16,10 +16,6 @@ from realitygap.models.belief.motion import Motion
 
 STARTS = (-0.4, -1.5)
 """Coordinates to start from: two thirds and a fifth of the torque."""
-ELSEWHERE = 0.03
-"""What a latency of 2 to 6 ms, too short to be named, feigns of a swarm: up to 15 % less torque, a
-fifth of which counts as one standard deviation. Measured by injecting such latencies into the
-rigid-body world."""
 FEIGNS = {
     "command_latency": 0.0025,
     "clock_offset": 0.0025,
@@ -56,7 +52,6 @@ CAUSE = Cause(
             link="factor",
             sign=-1,
             doubt=0.05,
-            elsewhere=ELSEWHERE,
         ),
     ),
     change=_change,

@@ -35,8 +35,6 @@ class Fit:
     """(groups, p, p) by blocks; infinite for a coordinate that the data do not tell."""
     residual: FloatArray
     """(n, 3) errors at the optimum, in noise."""
-    held_out: FloatArray
-    """(n, 3) errors of each window at the optimum of the other folds."""
 
     def part(self, term: Term) -> slice:
         """Columns of a term's parameters."""

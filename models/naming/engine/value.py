@@ -32,27 +32,21 @@ def values(
     coordinates: FloatArray,
     covariance: FloatArray,
     commands: FloatArray,
-    mean: FloatArray,
-    sd: FloatArray,
-    feigned: float = 0.0,
 ) -> tuple[Value, ...]:
-    """A term's parameters less what healthy robots get for them.
+    """A term's parameters with intervals.
 
-    The interval holds the fit's uncertainty and the spread of healthy robots: the part is what is
-    bought or set, not what this one robot happens to show.
+    Those hold the spread of healthy robots: the part is what is bought or set, not what this one
+    robot happens to show.
 
     Args:
         term: Fitted.
-        coordinates: (p,).
-        covariance: (p, p).
+        coordinates: (p,), less what healthy robots get.
+        covariance: (p, p), with the spread of healthy robots.
         commands: (rows, 2).
-        mean: (p,) healthy strength.
-        sd: (p,) healthy spread.
-        feigned: Standard deviation of what causes named with it feign of this one.
     """
     limits = any(not np.isfinite(p.null) for p in term.cause.parameters)
     error = uncertainty(term, coordinates[None], covariance[None])[0]
-    half = NOMINAL * np.hypot(error, sd)
+    half = NOMINAL * error
     if limits:
         deep = strength(term, coordinates[None], commands)[0]
         fastest = float(np.log(np.abs(commands).max(initial=1e-9)))
@@ -61,8 +55,8 @@ def values(
             for p, e, h in zip(term.cause.parameters, deep, half, strict=True)
         )
     found = []
-    for p, u, h in zip(term.cause.parameters, coordinates - mean, half, strict=True):
-        rough = np.hypot.reduce([p.doubt * abs(u), p.unsure, feigned])
+    for p, u, h in zip(term.cause.parameters, coordinates, half, strict=True):
+        rough = np.hypot(p.doubt * abs(u), p.unsure)
         h = float(np.hypot(h, NOMINAL * rough))
         found.append(told(p, *(p.believed(float(v)) for v in (u, u - h, u + h))))
     return tuple(found)

@@ -97,7 +97,7 @@ def test_each_part_of_a_log_gives_the_values_that_hold_in_it() -> None:
     problem = Problem(cut, [Motion(drive=Drive())])
     fit = problem.fit((term,), [np.zeros((1, 1))])
     none = np.zeros(1)
-    told = Told(searched=term, term=term, mean=none, sd=none, feigned=0.0)
+    told = Told(searched=term, term=term, mean=none)
     fitted = Fitted(problem=problem, fit=fit, told=(told,), believed=(term,))
     ratios = [refitted([fitted], part)[term, (0,)][0].value for part in (0, 1)]
     assert ratios == pytest.approx([0.0210 / 0.0200, 0.0203 / 0.0207], abs=0.004)

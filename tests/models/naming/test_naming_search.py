@@ -433,3 +433,13 @@ def test_what_follows_something_is_worth_what_it_takes_off_beside_the_causes() -
     assert verdict.following(Weighed(state), 0, 1e4, GATES) == []
     strict = Gates(flexible=300.0)
     assert verdict.following(Weighed(state), 0, 400.0, strict) == []
+
+
+def test_an_interval_holds_the_part_though_a_robot_differs_in_it_as_sound_robots_do() -> None:
+    sd = 3.0
+    health = sound([name_of(one, 0) for one in ITEMS], [sd] * len(ITEMS), [0.0] * len(ITEMS))
+    state = log(columns(17), {(0, 0): 40.0}, health=health)
+    fit = Fitter(Weighed(state), 0).fit((A,), [np.zeros(1)])
+    assert fit is not None
+    x = state.robots[0].columns[:, 0]
+    assert fit.covariance[0, 0] > sd**2 + 0.9 / float(x @ x)

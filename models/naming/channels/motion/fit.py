@@ -33,8 +33,6 @@ HOPE = 5.0
 errors that are seen less wide as they shrink, steps promise too little. Our choice."""
 STEADY = 0.1
 """Relative change of the errors' scale between two steps that no longer matters."""
-FOLDS = 5
-"""Parts into which a robot's blocks are dealt in turn for held-out deviances."""
 TINY = 1e-9
 """Deviance that is none."""
 
@@ -141,10 +139,6 @@ class Problem:
             raise failed or ValueError("no start")
         return self._finished(terms, best)
 
-    def gain(self, before: Fit, after: Fit) -> FloatArray:
-        """(windows,) held-out deviance that one hypothesis takes off another."""
-        return self.losses(before.held_out) - self.losses(after.held_out)
-
     def at(self, terms: Terms, coordinates: FloatArray) -> Fit:
         """The hypothesis at given coordinates, not fitted further."""
         return self._finished(terms, coordinates)
@@ -210,8 +204,11 @@ class Problem:
 
     def _normal(
         self, residual: FloatArray, jacobian: FloatArray
-    ) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
-        """Curvature (groups, p, p) and gradient (groups, p) of half the deviance, and by window."""
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Curvature (groups, p, p) and gradient (groups, p) of half the deviance.
+
+        Third, the gradient by window.
+        """
         w = weights(residual, self.row_scale, self.tracks.rules.row_freedom)
         p = jacobian.shape[2]
         weighted = jacobian * w[:, :, None]
@@ -220,29 +217,22 @@ class Problem:
         first = self.tracks.first
         slopes, bends = np.add.reduceat(slope, first), np.add.reduceat(bend, first)
         total = self.by_group(bends).reshape(self.count, p, p)
-        return total, self.by_group(slopes), (slopes, bends.reshape(-1, p, p))
+        return total, self.by_group(slopes), slopes
 
     def _finished(self, terms: Terms, here: FloatArray) -> Fit:
-        """Covariance by blocks and held-out deviances at the optimum."""
+        """Covariance by blocks at the optimum."""
         residual = self.residual(terms, here)
         p = here.shape[1]
         if p == 0:
             empty = np.zeros((self.count, 0, 0))
-            return Fit(
-                terms=terms,
-                coordinates=here,
-                covariance=empty,
-                residual=residual,
-                held_out=residual,
-            )
+            return Fit(terms=terms, coordinates=here, covariance=empty, residual=residual)
         jacobian = self.jacobian(terms, here, residual)
-        curvature, _, (slopes, bends) = self._normal(residual, jacobian)
+        curvature, _, slopes = self._normal(residual, jacobian)
         return Fit(
             terms=terms,
             coordinates=here,
             covariance=inverted(curvature).sandwich(self._meat(slopes)),
             residual=residual,
-            held_out=residual + self._moved(jacobian, slopes, bends, curvature),
         )
 
     def _meat(self, slopes: FloatArray) -> FloatArray:
@@ -260,27 +250,6 @@ class Problem:
         number = np.bincount(group, minlength=self.count)
         small = number / np.maximum(number - p, 1)
         return np.asarray((summed * small[:, None]).reshape(self.count, p, p))
-
-    def _moved(
-        self,
-        jacobian: FloatArray,
-        slopes: FloatArray,
-        bends: FloatArray,
-        curvature: FloatArray,
-    ) -> FloatArray:
-        """(n, 3) change of every window's errors when its fold is left out of the fit."""
-        fold = self.tracks.block % FOLDS
-        window = self.tracks.window
-        moved = np.zeros(jacobian.shape[:2])
-        for k in range(FOLDS):
-            out = fold == k
-            less = curvature - self.by_group(bends * out[:, None, None])
-            pull = self.by_group(slopes * out[:, None])
-            step = inverted(less).step(pull)
-            rows = out[window]
-            mine = self.window_group[window[rows]]
-            moved[rows] = np.einsum("ncp,np->nc", jacobian[rows], step[mine])
-        return moved
 
 
 def _solve(curvature: FloatArray, gradient: FloatArray, damping: FloatArray) -> FloatArray:

@@ -31,10 +31,6 @@ class Told(NamedTuple):
     """As it is named: the same, or its twin."""
     mean: FloatArray
     """(p,) healthy coordinates."""
-    sd: FloatArray
-    """(p,) their spread."""
-    feigned: float
-    """Standard deviation of what other names feign of it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,12 +69,9 @@ def _values(problem: Problem, fit: Fit, one: Told) -> tuple[Value, ...]:
         return (told(parameter, found.mean, found.low, found.high),)
     return values(
         term,
-        fit.coordinates[0, at],
+        fit.coordinates[0, at] - one.mean,
         fit.covariance[0, at, at],
         problem.tracks.commands,
-        one.mean,
-        one.sd,
-        one.feigned,
     )
 
 

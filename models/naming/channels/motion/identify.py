@@ -155,7 +155,7 @@ def _told(
         rest = apart.fit
         covariance = judged.fit.covariance[part, part]
         mean = reference.mean(term)
-        each.append(Told(term, apart.chosen, mean, np.zeros(size), 0.0))
+        each.append(Told(term, apart.chosen, mean))
         evidence = evidence_of(weighed, scope, judged, k, covariance, known)
         named.append(
             Named(
@@ -180,9 +180,7 @@ def _values(
     commands = state.tracks.only(state.members(scope)).commands
     if term.cause.smooth:
         at = apart.fit.part(term)
-        none = np.zeros(len(term.cause.parameters))
-        coordinates = apart.fit.coordinates[0, at]
-        return values(term, coordinates, covariance, commands, none, none)
+        return values(term, apart.fit.coordinates[0, at], covariance, commands)
     found = list(judged.fit.coordinates)
     fitter = Fitter(weighed, scope)
 

@@ -106,8 +106,7 @@ def _named(state: State, scope: int, judged: Judged, known: Mask) -> list[Named]
         begin = part.stop
         covariance = judged.fit.covariance[part, part]
         evidence = evidence_of(weighed, scope, judged, k, covariance, known)
-        none = np.zeros(len(term.cause.parameters))
-        own = values(term, evidence.coordinates, covariance, NO_COMMANDS, none, none)
+        own = values(term, evidence.coordinates, covariance, NO_COMMANDS)
         shared = scope == SWARM and len(state.robots) >= state.rules.least_swarm
         found.append(
             Named(
@@ -153,8 +152,7 @@ def by_part(found: SensesFound) -> tuple[Values, ...]:
                 begin += size
                 told_of = not size or any(_tells(state.robots[k], term) for k in members)
                 if fit is not None and (term, ids) in keys and told_of:
-                    none = np.zeros(size)
                     here, wide = fit.coordinates[k], fit.covariance[at, at]
-                    told[term, ids] = values(term, here, wide, NO_COMMANDS, none, none)
+                    told[term, ids] = values(term, here, wide, NO_COMMANDS)
         parts.append(told)
     return tuple(parts)
