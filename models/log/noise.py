@@ -19,9 +19,13 @@ from realitygap.models.log.frames import Windows, motion, moved, wrapped
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.tracker import NORMAL
 
-SETTLED_ROWS = 5
-"""Rows a command must have held to count as steady. Our choice: 0.2 s at 25 Hz, several time
-constants of a small robot's motor (47-107 ms from step to full speed on real ones)."""
+SPAN = 0.04
+"""s between the poses that are compared, or a row where rows are rarer: what is white from one
+pose to the next is wanted, and a log that was interpolated to a higher rate says less than its
+rows. Our choice: trackers of 25 Hz and more are the usual ones."""
+SETTLED = 0.2
+"""s a command must have held to count as steady. Our choice: several time constants of a small
+robot's motor (47-107 ms from step to full speed on real ones)."""
 ENOUGH = 200
 """Steady rows that suffice for an estimate within about 7 %."""
 LEAST = (1e-9, 1e-9)
@@ -40,11 +44,12 @@ class PoseNoise(NamedTuple):
 def pose_noise(log: MeasuredLog, replayed: FloatArray) -> PoseNoise:
     """The tracker's noise; `replayed` (rows, 3) is the log's commands through the model."""
     known = np.flatnonzero(log.tracked)
-    first, rows, last = known[:-2], known[1:-1], known[2:]
+    apart = _rows_of(SPAN, log.t[known])
+    first, rows, last = known[: -2 * apart], known[apart:-apart], known[2 * apart :]
     before, after = Windows(first, rows), Windows(rows, last)
     whole = log.stretch[first] == log.stretch[last]
     if len(rows):  # a tracker may be slower than the log; a lost pose is not bridged
-        whole &= last - first <= 2.0 * np.median(np.diff(known))
+        whole &= last - first <= 2.0 * apart * np.median(np.diff(known))
     steady = whole & _steady(log)[rows]
     use = steady if steady.sum() >= min(ENOUGH, 0.5 * whole.sum()) else whole
     if not use.any():
@@ -72,16 +77,23 @@ def window_noise(poses: FloatArray, pairs: Windows, noise: PoseNoise) -> FloatAr
 
 
 def _steady(log: MeasuredLog) -> npt.NDArray[np.bool_]:
-    """(rows,) whether the command has been the same for `SETTLED_ROWS` rows."""
+    """(rows,) whether the command has been the same for `SETTLED` s."""
+    settled = _rows_of(SETTLED, log.t)
     same = np.zeros(len(log.t), dtype=bool)
     same[1:] = (np.diff(log.commands, axis=0) == 0).all(axis=1)
     same[1:] &= np.diff(log.segment) == 0
     held = np.cumsum(same)
     result = np.zeros(len(same), dtype=bool)
-    result[SETTLED_ROWS:] = held[SETTLED_ROWS:] - held[:-SETTLED_ROWS] == SETTLED_ROWS
+    result[settled:] = held[settled:] - held[:-settled] == settled
     return result
 
 
 def _world_error(poses: FloatArray, replayed: FloatArray, pairs: Windows) -> FloatArray:
     """(windows, 3) measured minus predicted motion over each step, in the world's axes."""
     return poses[pairs.last] - moved(poses[pairs.first], motion(replayed, pairs))
+
+
+def _rows_of(seconds: float, t: FloatArray) -> int:
+    """Rows nearest to a time, at least one; `t` (rows,) s."""
+    step = float(np.median(np.diff(t))) if len(t) > 1 else seconds
+    return max(1, round(seconds / step)) if step > 0.0 else 1
