@@ -13,8 +13,8 @@ LOGS = Path(__file__).parent / "logs"
 ANSWERS = Path(__file__).parent / "answers"
 DIGITS = 6
 """That are kept: the last ones of a double differ between libraries of linear algebra."""
-CHANGING = ("inputs", "versions", "next_experiment.commands")
-"""Keys that name files and programs."""
+CHANGING = ("inputs", "versions", "next_experiment.commands", "log.preflight")
+"""Keys that name files and programs, and what a log says of itself: no part of the answer."""
 
 TOLD = ("verdict", "causes", "unexplained")
 """Keys whose differences are told one by one; of the others it is told that they differ."""
