@@ -41,14 +41,15 @@ def answer(name: str) -> str:
             del content[outer]
         elif content[outer] is not None:
             del content[outer][inner]
-    return json.dumps(_rounded(content), indent=1) + "\n"
+    return json.dumps(rounded(content), indent=1) + "\n"
 
 
-def _rounded(value: Any) -> Any:
+def rounded(value: Any) -> Any:
+    """The same, numbers to the digits that are kept."""
     if isinstance(value, dict):
-        return {name: _rounded(inner) for name, inner in value.items()}
+        return {name: rounded(inner) for name, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [_rounded(inner) for inner in value]
+        return [rounded(inner) for inner in value]
     return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
 
 
