@@ -59,6 +59,8 @@ class MeasuredLog:
     """(rows,) whether the row's pose was measured and is not set aside as a tracker failure."""
     stretch: npt.NDArray[np.int64]
     """(rows,) which uninterrupted stretch the row belongs to; nothing is concluded across two."""
+    held: npt.NDArray[np.bool_]
+    """(rows,) whether the row repeated the pose before, as slow trackers do, and lost it."""
     step: float
     """s, median time between rows."""
     recorder: str
@@ -185,6 +187,7 @@ def make_log(
         commands=commands,
         tracked=track.tracked,
         stretch=stretch + np.cumsum(track.jumps),
+        held=again,
         step=step,
         recorder=str(frame.attrs.get("recorder", "")),
         notes=(*notes, *track.notes),

@@ -50,8 +50,8 @@ def pose_noise(log: MeasuredLog, replayed: FloatArray) -> PoseNoise:
     whole = log.stretch[first] == log.stretch[last]
     if len(rows):  # a tracker may be slower than the log; a lost pose is not bridged
         whole &= last - first <= 2.0 * apart * np.median(np.diff(known))
-    steady = whole & _steady(log)[rows]
-    use = steady if steady.sum() >= min(ENOUGH, 0.5 * whole.sum()) else whole
+    settled = whole & steady(log)[rows]
+    use = settled if settled.sum() >= min(ENOUGH, 0.5 * whole.sum()) else whole
     if not use.any():
         return PoseNoise(*LEAST)
     poses = log.poses
@@ -76,7 +76,7 @@ def window_noise(poses: FloatArray, pairs: Windows, noise: PoseNoise) -> FloatAr
     return np.hstack([both, heading])
 
 
-def _steady(log: MeasuredLog) -> npt.NDArray[np.bool_]:
+def steady(log: MeasuredLog) -> npt.NDArray[np.bool_]:
     """(rows,) whether the command has been the same for `SETTLED` s."""
     settled = _rows_of(SETTLED, log.t)
     same = np.zeros(len(log.t), dtype=bool)

@@ -15,6 +15,7 @@ from typing import Any, Literal
 
 from realitygap.models.belief.extension import Extension
 from realitygap.models.log.named import Names
+from realitygap.models.log.preflight.entry import Entry
 from realitygap.models.log.used import Used
 from realitygap.models.naming.claims.written import written
 from realitygap.models.naming.findings import Named
@@ -86,6 +87,8 @@ class Diagnosis:
     """By robot that cannot be called sound, the causes that could be unseen in it."""
     used: tuple[Used, ...] = ()
     """How much of each robot's time could be used."""
+    preflight: tuple[Entry, ...] = ()
+    """What the log can tell."""
     not_checked: tuple[str, ...] = ()
     """What could not be looked at, and why, in words."""
     notes: tuple[str, ...] = ()
@@ -164,6 +167,7 @@ def as_json(found: Diagnosis) -> dict[str, Any]:
         "log": {
             "robots": [one._asdict() | {"robot": names.key(one.robot)} for one in found.used],
             "cannot_tell": {names[robot]: list(unseen) for robot, unseen in found.untold.items()},
+            "preflight": [asdict(one) | {"causes": list(one.causes)} for one in found.preflight],
         },
         "robots": [names.key(robot) for robot in found.robots],
         "reference": found.reference,

@@ -118,6 +118,8 @@ class Identified:
     uneven: tuple[Uneven, ...]
     alike: bool
     """Whether the log was recorded as those of the reference were."""
+    recording: tuple[Value, ...] = ()
+    """How it was, in numbers; empty: nothing of it was fitted."""
     base: tuple[Motion, ...]
     """(robots,) healthy motion of each robot, as the log was recorded."""
     explained: tuple[Motion, ...]

@@ -17,6 +17,8 @@ from realitygap.studies.diagnosis import figures, sense_figures
 from realitygap.studies.diagnosis.next_experiment import next_section
 from realitygap.studies.diagnosis.words import (
     detectable_sentence,
+    entry_text,
+    follows_text,
     gain_row,
     leftover_sentence,
     untold_sentence,
@@ -43,6 +45,10 @@ GAIN = (
     "in two, by runs where there are several and else by time, and each part is predicted by a "
     "file with the values of the other. Before: the model as it was. Of a healthy robot: what the "
     "minimal model leaves of one under the same commands."
+)
+CAN_TELL = (
+    "Measured of the log before anything is asked of a robot, with what is made of it. None of it "
+    "is a fault of a robot."
 )
 SHOWN = (
     "What this log would have shown of one cause alone, in the robot that shows it worst, with "
@@ -84,6 +90,7 @@ def write_report(
             _pictures(examined, room),
             _gain(examined),
             _robots(examined),
+            _can_tell(examined),
             _would_have_shown(examined),
             _not_checked(examined),
             Section("Where this comes from", [f"Command: {command}", *examined.diagnosis.notes]),
@@ -121,6 +128,15 @@ def _gain(examined: Examination) -> Section:
     rows = [gain_row(name, gain) for name, gain in found.gain.items()]
     tables = [Table.of(pd.DataFrame(rows))] if rows else []
     return Section("What the extended model gains", [GAIN, *nothing], tables=tables)
+
+
+def _can_tell(examined: Examination) -> Section:
+    """The pre-flight."""
+    rows = [
+        {"what": one.meaning, "value": entry_text(one), "what follows": follows_text(one)}
+        for one in examined.diagnosis.preflight
+    ]
+    return Section("What this log can tell", [CAN_TELL], tables=[Table.of(pd.DataFrame(rows))])
 
 
 def _would_have_shown(examined: Examination) -> Section:

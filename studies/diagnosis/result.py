@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from realitygap.models.log.preflight.entry import Entry
 from realitygap.models.naming.channels.senses.joined import WholeExamination
 from realitygap.models.naming.diagnosis import Verdict
 from realitygap.studies.diagnosis.words import verdict_sentence
@@ -95,6 +96,16 @@ class DiagnosisResult(Told):
     def used(self) -> pd.DataFrame:
         """Shares of each robot's time that could be used, and why not the rest; `seconds` (s)."""
         return pd.DataFrame(self.content["log"]["robots"])
+
+    @property
+    def preflight(self) -> pd.DataFrame:
+        """What the log can tell, a row per measured entry.
+
+        Columns `name`, `meaning`, `value` (None: not told), `unit`, `low`, `high` (95 %),
+        `follows` (`nothing`, `modelled`, `repaired`, `silences`), `why`, `causes` concerned.
+        """
+        columns = [one.name for one in fields(Entry)]
+        return rows_table(self.content["log"]["preflight"], columns, ("low", "high"))
 
     def write(self, out: Path | str, *, force: bool = False) -> None:
         """Write diagnosis.json, extended.toml and report.html into a new directory.

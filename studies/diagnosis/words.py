@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from realitygap.models.belief.catalogue import causes, every_cause
 from realitygap.models.log.named import Names
+from realitygap.models.log.preflight.entry import Entry
 from realitygap.models.naming.channels.motion.detectable import core
 from realitygap.models.naming.diagnosis import (
     Detectable,
@@ -126,6 +127,24 @@ def value_text(value: Value) -> str:
     """A value with its interval, to the digits that the interval leaves meaningful."""
     unit = "" if value.unit in ("", "1") else f" {value.unit}"
     return f"{value.name} {value.value:.4g} ({value.low:.4g} to {value.high:.4g}){unit}"
+
+
+def entry_text(one: Entry) -> str:
+    """A value of the pre-flight with its unit and interval."""
+    if one.value is None:
+        return "not told"
+    if isinstance(one.value, bool):
+        return "yes" if one.value else "no"
+    if isinstance(one.value, str):
+        return one.value
+    interval = "" if one.low is None else f" ({one.low:.3g} to {one.high:.3g})"
+    return f"{one.value:.4g}{interval}" + ("" if one.unit == "1" else f" {one.unit}")
+
+
+def follows_text(one: Entry) -> str:
+    """What follows from it."""
+    said = ": ".join(part for part in (one.follows, one.why) if part)
+    return said + (f" ({', '.join(one.causes)})" if one.causes else "")
 
 
 def gain_row(name: str, gain: Gain) -> dict[str, str | None]:

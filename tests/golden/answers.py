@@ -13,8 +13,8 @@ LOGS = Path(__file__).parent / "logs"
 ANSWERS = Path(__file__).parent / "answers"
 DIGITS = 6
 """That are kept: the last ones of a double differ between libraries of linear algebra."""
-CHANGING = ("inputs", "versions", "next_experiment.commands")
-"""Keys that name files and programs."""
+CHANGING = ("inputs", "versions", "next_experiment.commands", "log.preflight")
+"""Keys that name files and programs, and what a log says of itself: no part of the answer."""
 
 TOLD = ("verdict", "causes", "unexplained")
 """Keys whose differences are told one by one; of the others it is told that they differ."""
@@ -41,14 +41,15 @@ def answer(name: str) -> str:
             del content[outer]
         elif content[outer] is not None:
             del content[outer][inner]
-    return json.dumps(_rounded(content), indent=1) + "\n"
+    return json.dumps(rounded(content), indent=1) + "\n"
 
 
-def _rounded(value: Any) -> Any:
+def rounded(value: Any) -> Any:
+    """The same, numbers to the digits that are kept."""
     if isinstance(value, dict):
-        return {name: _rounded(inner) for name, inner in value.items()}
+        return {name: rounded(inner) for name, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [_rounded(inner) for inner in value]
+        return [rounded(inner) for inner in value]
     return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
 
 

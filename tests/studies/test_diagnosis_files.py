@@ -43,6 +43,12 @@ def test_a_diagnosis_is_a_json_a_model_and_a_page(log: Path, tmp_path: Path) -> 
     assert len(content["versions"]["program"]) == 64
     page = (out / "report.html").read_text()
     assert "wheel_radius_mismatch" in page
+    assert "What this log can tell" in page
+    told = content["log"]["preflight"]
+    assert {"row_rate", "position_noise", "yaw_like", "reference_step"} <= {e["name"] for e in told}
+    assert all(entry["meaning"].replace("'", "&#39;") in page for entry in told)
+    assert list(found.preflight["name"]) == [entry["name"] for entry in told]
+    assert "silences: not checked (ambient_light, lamp_decay" in page
     assert "http" not in page.replace("http-equiv", "")
 
 

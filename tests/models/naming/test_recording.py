@@ -132,7 +132,7 @@ def test_what_lies_between_robots_and_rows_is_measured(
 ) -> None:
     log = tracks(by_robot(CHANGES[change])(table(43, {})))
     healthy = reference().motion(MODEL.motion())
-    (first, *_) = recorded(log, (healthy,) * len(log.robots), reference().learned)
+    (first, *_) = recorded(log, (healthy,) * len(log.robots), reference().learned).base
     own = getattr(healthy, what)
     assert getattr(first, what) == pytest.approx(
         value + (own if what == "pose_delay" else 0), abs=within

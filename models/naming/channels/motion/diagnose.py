@@ -8,6 +8,7 @@ from realitygap.models.belief.catalogue import causes
 from realitygap.models.belief.causes.motor_dead_zone import least_seen
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.gap.conditions import conditions
+from realitygap.models.gap.replay import replay_log
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.naming.channels.motion.claims import claimed
 from realitygap.models.naming.channels.motion.examination import Examination
@@ -17,6 +18,7 @@ from realitygap.models.naming.channels.motion.tracks import Tracks, cut_tracks
 from realitygap.models.naming.channels.motion.unmeasured import unmeasured
 from realitygap.models.naming.diagnosis import Diagnosis
 from realitygap.models.naming.health.reference import Reference, no_reference
+from realitygap.models.naming.preflight import preflight
 from realitygap.models.naming.rules import Rules
 
 
@@ -64,6 +66,15 @@ def diagnose(
             not_checked=(
                 *_not_checked(tracks, reference),
                 *unmeasured(tracks, found.base, healthy, found.away),
+            ),
+            preflight=preflight(
+                log,
+                model,
+                replay_log(log, model.point_model().drive),
+                noise=tracks.noise,
+                used=tracks.used,
+                reference=healthy,
+                recording=found.recording,
             ),
             notes=log.notes,
             robots=tracks.robots,

@@ -77,8 +77,9 @@ def _of_free(
     """The same of robots that all have windows."""
     base = tuple(reference.motion(motion) for motion in believed)
     foreign = reference.robots > 0 and not alike
+    recording: tuple[Value, ...] = ()
     if foreign:
-        base = recorded(tracks, base, reference.learned)
+        base, recording = recorded(tracks, base, reference.learned)
     robots = tuple(robots_of(tracks, base))
     unsure_of = unsure(tracks.step, robots[0].names, tracks.rules) if foreign else {}
     start = State(tracks, base, robots, reference.learned, unsure=unsure_of)
@@ -100,6 +101,7 @@ def _of_free(
         follows=tuple(follows),
         uneven=tuple(strange),
         alike=alike,
+        recording=recording,
         base=base,
         explained=tuple(state.motion(k, {}) for k in range(len(base))),
         fits=tuple(fits),

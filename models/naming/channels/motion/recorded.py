@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from realitygap.models.belief.cause import ALL
@@ -13,14 +15,24 @@ from realitygap.models.naming.engine.fitter import Fitter
 from realitygap.models.naming.engine.health import Health
 from realitygap.models.naming.engine.hypothesis import Term
 from realitygap.models.naming.engine.state import SWARM, State
+from realitygap.models.naming.engine.value import Value, values
 from realitygap.models.naming.engine.weighed import Weighed
 
 ROUNDS = 2
 """Times the noise is learned anew at the recording found. No rule: a limit of iterations."""
 
 
-def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> tuple[Motion, ...]:
-    """(robots,) motions with how the log was recorded.
+class Recorded(NamedTuple):
+    """How a log was recorded."""
+
+    base: tuple[Motion, ...]
+    """(robots,) motions as its rows show them."""
+    values: tuple[Value, ...]
+    """Delay (s), clock's rate, smear (s^2) and scale with 95 % intervals; empty: no fit."""
+
+
+def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> Recorded:
+    """How a log was recorded, from all its robots together.
 
     Args:
         tracks: The log's.
@@ -28,7 +40,8 @@ def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> tuple[
         health: How robots and swarms differ.
     """
     term = Term(recording(tracks.step, tracks.rules), ALL)
-    found = np.zeros(len(term.cause.parameters))
+    found = none = np.zeros(len(term.cause.parameters))
+    said: tuple[Value, ...] = ()
     for _ in range(ROUNDS):
         here = [term.cause.applied(motion, found, ALL) for motion in base]
         there = tuple(robots_of(tracks, here, doses=False))
@@ -36,4 +49,5 @@ def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> tuple[
         if fit is None:
             break
         (found,) = fit.coordinates
-    return tuple(term.cause.applied(motion, found, ALL) for motion in base)
+        said = values(term, found, fit.covariance, tracks.commands, none, none)
+    return Recorded(tuple(term.cause.applied(motion, found, ALL) for motion in base), said)

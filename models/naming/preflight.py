@@ -1,0 +1,286 @@
+"""The pre-flight: what a log can tell, stated with what a diagnosis makes of it, before any name.
+
+Nothing is decided here. A measured value that troubles nothing is told as one that does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.belief.catalogue import causes, sense_causes
+from realitygap.models.belief.modelfile import ModelFile
+from realitygap.models.log.measured import MeasuredLog
+from realitygap.models.log.noise import PoseNoise
+from realitygap.models.log.preflight.colour import colour
+from realitygap.models.log.preflight.entry import Entry
+from realitygap.models.log.preflight.poses import facing, failures, steps_of
+from realitygap.models.log.preflight.stamps import commands, stamps
+from realitygap.models.log.schema import ENCODERS, LS, PS
+from realitygap.models.log.used import Used
+from realitygap.models.naming.channels.motion.recording import TRANSIENT
+from realitygap.models.naming.engine.value import Value
+from realitygap.models.naming.health.reference import Reference
+
+RECORDING = {
+    "delay": ("s", "by which poses are late, beyond what healthy robots show"),
+    "rate": ("1", "by which the poses' clock and the commands' drift apart"),
+    "smear": ("s^2", "variance of the times that a pose averages, or a command is lost among"),
+    "scale": ("1", "factor of the tracker's metre"),
+}
+"""What is fitted of how a log was recorded (`motion.recording`)."""
+
+
+def preflight(
+    log: MeasuredLog,
+    model: ModelFile,
+    replayed: FloatArray,
+    *,
+    noise: PoseNoise,
+    used: Sequence[Used],
+    reference: Reference,
+    recording: Sequence[Value],
+) -> tuple[Entry, ...]:
+    """What a log can tell.
+
+    Args:
+        log: Measured.
+        model: What the simulator believes.
+        replayed: (rows, 3) the log's commands through the model.
+        noise: Of the tracker.
+        used: How much of each robot's time a diagnosis uses.
+        reference: What healthy robots do; of no robots where nobody knows.
+        recording: How the log was recorded, where that was fitted.
+    """
+    alike = reference.recorded_like(log.recorder, log.step)
+    fitted = reference.robots > 0 and not alike
+    return (
+        _share(used),
+        *_of_time(log),
+        *_of_commands(log, fitted),
+        *_of_tracker(log, replayed, noise),
+        *_of_frame(log, model, noise),
+        *_of_recording(recording, alike, reference.robots > 0),
+        *_of_reference(log, reference, alike),
+        *_columns(log),
+    )
+
+
+def _share(used: Sequence[Used]) -> Entry:
+    seconds = sum(one.seconds for one in used)
+    share = sum(one.seconds * one.used for one in used) / seconds if seconds else 0.0
+    return Entry(
+        name="used",
+        meaning="share of all robots' time that is in windows",
+        value=share,
+        unit="1",
+        why="the rest is in no window of motion; robot by robot it is said why",
+    )
+
+
+def _of_time(log: MeasuredLog) -> Iterator[Entry]:
+    found = stamps(log)
+    yield Entry(name="row_rate", meaning="rows of a robot", value=found.row_rate, unit="Hz")
+    yield Entry(name="pose_rate", meaning="new poses of a robot", value=found.pose_rate, unit="Hz")
+    yield Entry(
+        name="stamp_jitter",
+        meaning="standard deviation of a row's time about even times",
+        value=found.jitter,
+        unit="s",
+        why="rows are replayed at the times they give",
+    )
+    yield _repaired(
+        "held_poses",
+        "share of moving robots' rows that repeat the pose before",
+        found.repeats,
+        "each pose is used once",
+        done=bool(log.held.any()),
+    )
+    yield _repaired(
+        "no_pose",
+        "share of rows without a pose, held ones aside",
+        found.without,
+        "the command goes on between the poses there are",
+    )
+    yield _repaired(
+        "gaps",
+        "places where rows are missing or the track jumps",
+        found.gaps,
+        "nothing is replayed across them",
+    )
+
+
+def _repaired(name: str, meaning: str, value: float, why: str, *, done: bool = True) -> Entry:
+    """Something that is repaired where it is, if that is done."""
+    if not value or not done:
+        return Entry(name=name, meaning=meaning, value=value, unit="1")
+    return Entry(name=name, meaning=meaning, value=value, unit="1", follows="repaired", why=why)
+
+
+def _of_commands(log: MeasuredLog, fitted: bool) -> Iterator[Entry]:
+    found = commands(log)
+    yield Entry(
+        name="command_changes", meaning="changes of a robot's command", value=found.rate, unit="Hz"
+    )
+    shown = bool(found.together)
+    yield Entry(
+        name="commands_in_every_row",
+        meaning="share of changes that another follows in the next row: "
+        "the more, the likelier that rows miss some",
+        value=found.together,
+        unit="1",
+        follows="modelled" if fitted and shown else "nothing",
+        why="a delay and a smear of all robots stand for what rows do not show"
+        if fitted and shown
+        else "",
+    )
+
+
+def _of_tracker(log: MeasuredLog, replayed: FloatArray, noise: PoseNoise) -> Iterator[Entry]:
+    units = {"position": "m", "heading": "rad"}
+    steps, colours = steps_of(log), colour(log, replayed)
+    for (what, unit), sd, step, own in zip(units.items(), noise, steps, colours, strict=True):
+        yield Entry(
+            name=f"{what}_noise",
+            meaning=f"standard deviation of the tracker's white noise in {what}",
+            value=sd,
+            unit=unit,
+            follows="modelled",
+            why="learned anew of each robot's rows",
+        )
+        yield Entry(
+            name=f"{what}_noise_correlation",
+            meaning=f"of the noise in {what} with that one pose later: 0 white, "
+            "2/3 an average over three poses or every second one interpolated",
+            value=None if own is None else own.value,
+            low=None if own is None else own.low,
+            high=None if own is None else own.high,
+            unit="1",
+            why="commands never hold for long enough to see" if own is None else "",
+        )
+        yield Entry(
+            name=f"{what}_step",
+            meaning=f"step in which {what}s come",
+            value=step,
+            unit=unit,
+            follows="nothing" if step is None else "modelled",
+            why="they come in none" if step is None else "counted in the noise",
+        )
+
+
+def _of_frame(log: MeasuredLog, model: ModelFile, noise: PoseNoise) -> Iterator[Entry]:
+    arena = model.arena
+    reach = None if arena is None else arena.radius - model.robot.body_radius
+    found = failures(log, noise, reach)
+    yield _repaired(
+        "outliers", "share of poses far from their neighbours", found.outliers, "they are set aside"
+    )
+    if found.beyond is not None:
+        yield _repaired(
+            "beyond_wall",
+            "share of poses further out than the believed wall lets a robot be",
+            found.beyond,
+            "they count as contact and are in no window of motion",
+        )
+    yield Entry(
+        name="furthest_pose",
+        meaning="from the middle" + ("" if reach is None else f"; the wall lets {reach:g} m"),
+        value=found.furthest,
+        unit="m",
+    )
+    faced = facing(log, noise, model.nominal_drive)
+    unseen = "robots hardly move" if faced is None else ""
+    yield Entry(
+        name="yaw_off_motion",
+        meaning="share of moves that are not within an eighth of a turn of the yaw",
+        value=None if faced is None else faced.apart,
+        unit="1",
+        why=unseen,
+    )
+    yield Entry(
+        name="motion_from_yaw",
+        meaning="mean direction of motion less yaw",
+        value=None if faced is None else faced.offset,
+        unit="rad",
+        why=unseen,
+    )
+    yield Entry(
+        name="yaw_like",
+        meaning="what fits the motion best: yaw, clockwise, degrees or quaternion z",
+        value=None if faced is None else faced.like,
+        why=unseen,
+    )
+
+
+def _of_recording(recording: Sequence[Value], alike: bool, known: bool) -> Iterator[Entry]:
+    found = {value.name: value for value in recording}
+    unasked = "as the reference's logs" if alike else "no fit" if known else "no healthy reference"
+    doubted = sorted(c.name for c in causes().values() if c.family == TRANSIENT)
+    for name, (unit, meaning) in RECORDING.items():
+        entry = Entry(name=f"recording_{name}", meaning=meaning, value=None, unit=unit)
+        value = found.get(name)
+        if value is None:
+            yield replace(entry, why=f"not fitted: {unasked}")
+            continue
+        yield replace(
+            entry,
+            value=value.value,
+            low=value.low,
+            high=value.high,
+            follows="modelled",
+            why="of all robots alike; of the whole swarm only more than this may feign is named",
+            causes=tuple(doubted) if name in ("delay", "smear") else (),
+        )
+
+
+def _of_reference(log: MeasuredLog, reference: Reference, alike: bool) -> Iterator[Entry]:
+    made = {
+        "robots": ("healthy robots that it was made from", float(reference.robots), "1"),
+        "swarms": ("runs that it was made from", float(reference.swarms), "1"),
+        "step": ("between its logs' rows", reference.step or None, "s"),
+        "recorder": ("what recorded its logs", reference.recorder or None, ""),
+    }
+    why = "" if reference.robots else "no healthy reference: what every robot does is like a fault"
+    for name, (meaning, value, unit) in made.items():
+        yield Entry(name=f"reference_{name}", meaning=meaning, value=value, unit=unit, why=why)
+    modelled = bool(reference.robots) and not alike
+    yield Entry(
+        name="recorded_like_reference",
+        meaning="whether recorder and step are those of the reference; "
+        f"of this log {log.recorder or 'unknown'} and {log.step:g} s",
+        value=alike,
+        follows="modelled" if modelled else "nothing",
+        why="how the log was recorded is fitted to all robots together" if modelled else "",
+    )
+
+
+def _columns(log: MeasuredLog) -> Iterator[Entry]:
+    there = [name for name in log.frame.columns if log.frame[name].notna().any()]
+    sensed = sense_causes().values()
+    apart = [c for c in causes().values() if c.twins and c.separated_by]
+    twins = {name for c in apart for name in (c.name, *c.twins)}
+    either = "twins are told as either of the two; infrared or light tell clocks from latency"
+    needs = {
+        "encoders": (ENCODERS, twins, either),
+        "infrared": (PS, {c.name for c in sensed if c.columns[0] in PS}, "not checked"),
+        "light": (LS, {c.name for c in sensed if c.columns[0] in LS}, "not checked"),
+        "nest": (("nest",), {c.name for c in sensed if c.columns[0] == "nest"}, "not checked"),
+    }
+    for name, (columns, silenced, why) in needs.items():
+        yield _present(name, set(columns) & set(there), silenced, why)
+
+
+def _present(name: str, there: Collection[str], silenced: Collection[str], why: str) -> Entry:
+    """Whether some columns are there, and what cannot be told where they are not."""
+    meaning = f"whether the log has {name}"
+    if there:
+        return Entry(name=name, meaning=meaning, value=True)
+    return Entry(
+        name=name,
+        meaning=meaning,
+        value=False,
+        follows="silences",
+        why=why,
+        causes=tuple(sorted(silenced)),
+    )
