@@ -17,6 +17,11 @@ RESAMPLED = 400
 """Bootstrap samples of blocks for an interval."""
 
 
+ROUNDED = 1e-6
+"""Of a length, by which a time may lie before a boundary and count as on it: times of any origin
+are rounded. No rule: far below a row, far above rounding."""
+
+
 class Better(NamedTuple):
     """How much smaller one prediction's mean error is than another's."""
 
@@ -24,6 +29,16 @@ class Better(NamedTuple):
     """Of the other's mean error; negative: it is larger."""
     level: float
     """One-sided level at which it is smaller, by Student's t over blocks; near 1: larger."""
+
+
+def nth(seconds: FloatArray, long: FloatArray | float) -> Rows:
+    """(n,) which of successive equal lengths of time each moment lies in.
+
+    Args:
+        seconds: (n,) s since the first begins.
+        long: s, of one.
+    """
+    return np.asarray(np.floor(seconds / long + ROUNDED), dtype=np.int64)
 
 
 def better(before: FloatArray, after: FloatArray, block: Rows) -> Better | None:

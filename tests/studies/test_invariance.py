@@ -14,15 +14,15 @@ import realitygap as rg
 from realitygap.models.log.measured import read_table
 from tests.golden.answers import log_file, rounded
 
-LOG = "pair-wheel_radius_mismatch-ir_gain"
+BOTH = "pair-wheel_radius_mismatch-ir_gain"
 """Three robots, 50 s, two causes in one of them: one in motion and one in infrared."""
 FILES = ("inputs", "versions", "next_experiment")
 """Keys that name files and programs."""
 
 
 @cache
-def frame() -> pd.DataFrame:
-    return read_table(log_file(LOG))
+def frame(name: str) -> pd.DataFrame:
+    return read_table(log_file(name))
 
 
 def said(table: pd.DataFrame, recorder: str) -> dict[str, Any]:
@@ -33,8 +33,8 @@ def said(table: pd.DataFrame, recorder: str) -> dict[str, Any]:
 
 
 @cache
-def kept(recorder: str) -> dict[str, Any]:
-    return said(frame().copy(), recorder)
+def kept(recorder: str, name: str = BOTH) -> dict[str, Any]:
+    return said(frame(name).copy(), recorder)
 
 
 def reordered(table: pd.DataFrame) -> pd.DataFrame:
@@ -60,4 +60,11 @@ def test_what_is_said_does_not_depend_on_how_a_table_is_written(
     change: Callable[[pd.DataFrame], pd.DataFrame], recorder: str
 ) -> None:
     assert [one["name"] for one in kept(recorder)["causes"]]
-    assert said(change(frame().copy()), recorder) == kept(recorder)
+    assert said(change(frame(BOTH).copy()), recorder) == kept(recorder)
+
+
+@pytest.mark.parametrize("name", ["single-motor_lag", "single-lamp_moved"])
+@pytest.mark.parametrize("seconds", [1000.0, 1003.7])
+def test_what_is_said_does_not_depend_on_when_time_began(name: str, seconds: float) -> None:
+    log = frame(name)
+    assert said(log.assign(t=log["t"] + seconds), "") == kept("", name)

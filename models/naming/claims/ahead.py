@@ -18,6 +18,7 @@ from realitygap.models.gap.believed import replay_segments
 from realitygap.models.gap.conditions import clear
 from realitygap.models.gap.motion_gap import BLOCK_SECONDS, throughout
 from realitygap.models.gap.replay import HORIZONS, errors
+from realitygap.models.log.blocks import nth
 from realitygap.models.log.frames import Rows, Windows
 from realitygap.models.log.held_out import parts
 from realitygap.models.log.measured import MeasuredLog
@@ -77,7 +78,7 @@ class Ahead:
         long = max(BLOCK_SECONDS, length + 2.0 * self.log.step)
         segment = self.log.segment[first]
         since = self.log.t[first] - self.log.t[self.log.start[:-1]][segment]
-        place = np.column_stack([segment, self.part[first], np.floor(since / long)])
+        place = np.column_stack([segment, self.part[first], nth(since, long)])
         block = np.unique(place, axis=0, return_inverse=True)[1].reshape(-1)
         edge = np.searchsorted(np.sort(who), np.arange(len(self.robots) + 1))
         return _Look(Windows(first, last), edge, block)

@@ -20,6 +20,7 @@ from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.gap.conditions import clear, conditions
 from realitygap.models.gap.driven import AROUND
 from realitygap.models.gap.replay import replay_log
+from realitygap.models.log.blocks import nth
 from realitygap.models.log.held_out import parts
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.noise import PoseNoise, pose_noise
@@ -281,7 +282,7 @@ def _windows(
     lasted = np.zeros(run[-1] + 1)
     np.maximum.at(lasted, run, since)
     pieces = np.maximum(1, np.ceil((lasted + step) / seconds - 0.2))
-    piece = np.floor(since / ((lasted + step) / pieces)[run])
+    piece = nth(since, ((lasted + step) / pieces)[run])
     new = begin | np.concatenate([[True], np.diff(piece) != 0])
     window = np.cumsum(new) - 1
     count = np.bincount(window)

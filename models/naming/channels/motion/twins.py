@@ -17,6 +17,7 @@ from realitygap.models.belief.cause import ALL
 from realitygap.models.belief.motion import Motion
 from realitygap.models.belief.withheld import withheld
 from realitygap.models.gap.driven import AROUND
+from realitygap.models.log.blocks import nth
 from realitygap.models.log.tracker import NORMAL
 from realitygap.models.naming.channels.motion.fit import Problem
 from realitygap.models.naming.channels.motion.predict import wheel_angles
@@ -117,7 +118,7 @@ def _encoder_loss(tracks: Tracks, motions: list[Motion]) -> FloatArray:
     freedom = tracks.rules.row_freedom
     loss = (freedom + 1.0) * np.log1p((off / scale) ** 2 / freedom).sum(axis=1)
     loss = loss + 2.0 * np.log(scale).sum()
-    block = np.floor(tracks.t / BLOCK_SECONDS)[inside] + 1e6 * tracks.row_robot[inside]
+    block = nth(tracks.t - tracks.t.min(), BLOCK_SECONDS)[inside] + 1e6 * tracks.row_robot[inside]
     _, label = np.unique(block[known], return_inverse=True)
     return np.asarray(np.bincount(label, loss[known]), dtype=np.float64)
 

@@ -15,6 +15,7 @@ import numpy as np
 from realitygap.embedded_sim import SENSORS, PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.senses import Belief
+from realitygap.models.log.blocks import nth
 from realitygap.models.naming.channels.senses.predicted import noise, own_noise, read
 from realitygap.models.naming.channels.senses.quantities import Key, of_readings, of_rows
 from realitygap.models.naming.channels.senses.sight import (
@@ -108,7 +109,7 @@ class Readings:
         assert model.tables is not None
         counts = eye.counts(belief)
         use = eye.usable(belief)[:, self._half]
-        spaced = np.diff(np.floor(sight.time / SPACING[name]), prepend=-1.0) != 0.0
+        spaced = np.diff(nth(sight.time, SPACING[name]), prepend=-1) != 0
         some = spaced[:, None]
         if name == "infrared":
             some = some | (counts[:, self._half] > NOTHING)
@@ -122,7 +123,7 @@ class Readings:
         seen = counts - np.hstack([belief.senses.ps_offset, np.zeros(SENSORS)])
         told = self._picked(seen)
         self.signal = told if name == "infrared" else model.tables.ls_dark - told
-        window = np.floor(sight.time[self.row] / sight.rules.window).astype(np.int64)
+        window = nth(sight.time[self.row], sight.rules.window)
         key = sight.run[self.row] * (window.max(initial=0) + 1) + window
         self.window = np.unique(key, return_inverse=True)[1]
         self.first = np.flatnonzero(np.diff(self.window, prepend=-1))

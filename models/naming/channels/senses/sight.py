@@ -19,6 +19,7 @@ from realitygap.models.belief.motion import Motion
 from realitygap.models.gap.believed import replay_believed
 from realitygap.models.gap.sensing import averaged_poses, measured, scenarios
 from realitygap.models.gap.stood import commanded, poses_as_stood
+from realitygap.models.log.blocks import nth
 from realitygap.models.log.held_out import parts
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.noise import PoseNoise, pose_noise
@@ -158,7 +159,7 @@ def look(
     )
     start = log.t[log.start[:-1]][log.segment][rows]
     time = log.t[rows] - start
-    key = log.segment[rows] * 10**6 + (time / BLOCK_SECONDS).astype(np.int64)
+    key = log.segment[rows] * 10**6 + nth(time, BLOCK_SECONDS)
     return Sight(
         robots=tuple(int(r) for r in ids),
         begin=np.searchsorted(who, np.arange(len(ids) + 1)),
