@@ -21,6 +21,12 @@ FloatArray = npt.NDArray[np.float64]
 EngineName = Literal["pybullet", "mujoco"]
 ENGINES: tuple[EngineName, ...] = get_args(EngineName)
 DEFAULT: EngineName = "pybullet"
+MISSING: dict[EngineName, str] = {
+    "pybullet": "pybullet to be installed, which Python 3.11 has and later ones have not; "
+    "or --engine mujoco, with the extra [mujoco]",
+    "mujoco": "the extra [mujoco] to be installed",
+}
+"""What is expected where an engine's library is not there."""
 
 
 class Engine(Protocol):
@@ -87,17 +93,26 @@ class Engine(Protocol):
         """
 
 
-def engine_name(word: str) -> EngineName:
+def engine_name(word: str, *, needed: bool = True) -> EngineName:
     """An engine that can be used.
+
+    Args:
+        word: Its name.
+        needed: Whether there is anything for it to do; otherwise its library may be missing.
 
     Raises:
         InputError: no such engine, or its library is not installed.
     """
     if word not in ENGINES:
         raise InputError("--engine", repr(word), nearest(word, ENGINES))
-    if find_spec(word) is None:
-        raise InputError("--engine", repr(word), f"the extra [{word}] to be installed")
+    if needed and not installed(word):
+        raise InputError("--engine", repr(word), MISSING[word])
     return word
+
+
+def installed(name: EngineName) -> bool:
+    """Whether an engine's library is there."""
+    return find_spec(name) is not None
 
 
 def engine_class(name: str) -> type[Engine]:

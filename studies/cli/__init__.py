@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import atexit
 import importlib
+import logging
 import sys
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
@@ -16,9 +17,8 @@ from realitygap.studies.plumbing.streams import open_streams
 
 app = typer.Typer(
     name="realitygap",
-    help="Measure the reality gap of a robot swarm's simulator: show it, name its cause, close it.",
     no_args_is_help=True,
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
 )
@@ -45,6 +45,27 @@ COMMANDS = (
 _UsageError: Any = typer.BadParameter.__base__
 """Typer's error for wrong words on the command line; it exports only this child of it."""
 
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"realitygap {version('reality-gap')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
+        ),
+    ] = False,
+) -> None:
+    """Measure the reality gap of a robot swarm's simulator: show it, name its cause, close it."""
+
+
 for _name in COMMANDS:
     importlib.import_module(f"realitygap.studies.cli.{_name}")
 
@@ -52,9 +73,9 @@ for _name in COMMANDS:
 def main() -> None:
     """Run a command and end the process.
 
-    Its exit code is 0; 2 after bad input; 1 after divergence or if the machine failed, as a full
-    disk; 128 and the number of the signal that ended it. Whatever it was, it is said in one line,
-    and nothing unfinished is left.
+    Its exit code is 0, or what the command says of its result; 2 after bad input; 1 after
+    divergence or if the machine failed, as a full disk; 128 and the number of the signal that
+    ended it. Whatever it was, it is said in one line, and nothing unfinished is left.
     """
     out, err = open_streams()
     with listening():
@@ -83,6 +104,7 @@ def _outcome() -> tuple[int, str]:
         clear_temporary()
         return app(standalone_mode=False) or 0, ""
     except InputError as error:
+        logging.getLogger("realitygap").debug("refused", exc_info=True)
         return 2, str(error)
     except _UsageError as error:
         said = error.format_message()  # empty after a command without words: help was shown

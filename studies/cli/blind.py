@@ -18,11 +18,11 @@ from realitygap.studies.cli.options import (
     out_option,
     within,
 )
+from realitygap.studies.cli.outcome import Outcome, command
 from realitygap.studies.cli.resume import resumable
-from realitygap.studies.cli.say import say
 
 
-@app.command(epilog="Example: realitygap blind --trials 60 --seed 3 --out out/blind")
+@command(app, epilog="Example: realitygap blind --trials 60 --seed 3 --out out/blind")
 def blind(
     out: Annotated[Path, out_option("The battery's directory; an unfinished one resumes.")],
     trials: Annotated[
@@ -64,7 +64,7 @@ def blind(
         typer.Option(help="Length of the logs, repeatable; 120 most often, 60 or 240 if absent."),
     ] = None,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """Hide effects at random, diagnose each log in a process that has nothing else, and score.
 
     Writes blind.json, report.html, figures/ and a file per trial. Stopped or killed, the same
@@ -86,10 +86,9 @@ def blind(
             scheduler=scheduler,
             quiet=quiet,
         )
-    if not quiet:
-        wrong, healthy = summary["wrong_names"], summary["healthy_robots_accused"]
-        say(
-            f"{summary['trials']} trials: {wrong['hits']} of {wrong['trials']} names wrong, "
-            f"{healthy['hits']} of {healthy['trials']} healthy robots accused; "
-            f"{out / 'report.html'}"
-        )
+    wrong, healthy = summary["wrong_names"], summary["healthy_robots_accused"]
+    line = (
+        f"{summary['trials']} trials: {wrong['hits']} of {wrong['trials']} names wrong, "
+        f"{healthy['hits']} of {healthy['trials']} healthy robots accused"
+    )
+    return Outcome(summary, line, out / "report.html")

@@ -10,11 +10,12 @@ import typer
 import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import Force, Out, Quiet, Seed
+from realitygap.studies.cli.outcome import Outcome, command
 
 EXAMPLE = """Example: realitygap capture --from infrared.csv --out mine.npz"""
 
 
-@app.command(epilog=EXAMPLE)
+@command(app, epilog=EXAMPLE)
 def capture(
     out: Out,
     from_: Annotated[
@@ -28,15 +29,18 @@ def capture(
     seed: Seed = 0,  # of the shipped table
     force: Force = False,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """Put a nominal robot before wall and lamp and write the table of what its sensors read.
 
     With --from the table is made from curves that you measured.
     """
     from realitygap.studies.plumbing.progress import Progress
 
+    notes: list[str] = []
     with Progress("capture", 1.0, quiet) as shown:
         rg.capture(
-            out, curves=from_ or (), seed=seed, force=force, reach=shown.reach, tell=shown.say
+            out, curves=from_ or (), seed=seed, force=force, reach=shown.reach, tell=notes.append
         )
-    shown.say(f"sensor tables in {out}")
+    made = "a nominal robot" if not from_ else ", ".join(map(str, from_))
+    result = {"tables": str(out), "notes": notes}
+    return Outcome(result, f"sensor tables of {made}", out, notes)

@@ -8,12 +8,12 @@ from typing import Annotated
 import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import Engine, Force, Jobs, Quiet, Seed, out_option
-from realitygap.studies.cli.say import say
+from realitygap.studies.cli.outcome import Outcome, command
 
 EXAMPLE = """Example: realitygap demo --out out/demo --seed 3"""
 
 
-@app.command(epilog=EXAMPLE)
+@command(app, epilog=EXAMPLE)
 def demo(
     out: Annotated[Path, out_option("Where to write.")] = Path("out/demo"),
     seed: Seed = 0,
@@ -21,12 +21,11 @@ def demo(
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """Hide an effect, co-evolve, find it in the log alone, correct the simulator, co-evolve again.
 
     Two to three minutes on two cores. Writes report.html, demo.json, demo.png and what each
     chapter made; sealed.json holds what was hidden and is read only at the end.
     """
     story = rg.demo(out, seed=seed, engine=engine, jobs=jobs, force=force, quiet=quiet)
-    if not quiet:
-        say(f"{story.verdict.capitalize()}. See {out / 'report.html'}")
+    return Outcome(out / "demo.json", story.verdict.capitalize(), out / "report.html")

@@ -3,37 +3,44 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import Force, out_option
-from realitygap.studies.cli.say import say
+from realitygap.studies.cli.outcome import Outcome, command
+from realitygap.studies.cli.say import say_all
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 
-@app.command(epilog="Example: realitygap effects | less")
+@command(app, epilog="Example: realitygap effects | less")
 def effects(
     out: Annotated[
         Path | None, out_option("Write them as Markdown instead; must not exist yet.")
     ] = None,
     force: Force = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Names alone, a line each.")] = False,
-) -> None:
+) -> Outcome:
     """Print the catalogue: names and keys for --effect, physics, and the cause that is named.
 
     Keys show [bounds] and unit; null is the value that changes nothing.
     """
-    from rich.console import Console
-
     table = rg.effects(out=out, force=force)
     if out is not None:
-        return
+        return Outcome(table, f"{len(table)} effects", out)
     if quiet:
-        for name in table["effect"]:
-            say(name)
-        return
+        return Outcome(table, show=lambda: say_all(table["effect"]))
+    return Outcome(table, show=lambda: _print(table))
+
+
+def _print(table: DataFrame) -> None:
+    """What the catalogue holds, in a few lines per effect."""
+    from rich.console import Console
+
     console = Console(highlight=False)
 
     def write(text: str, style: str = "") -> None:

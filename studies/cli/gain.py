@@ -20,6 +20,7 @@ from realitygap.studies.cli.options import (
     Seed,
     within,
 )
+from realitygap.studies.cli.outcome import Outcome, command
 from realitygap.studies.cli.say import say
 
 EXAMPLE = (
@@ -28,7 +29,7 @@ EXAMPLE = (
 )
 
 
-@app.command(epilog=EXAMPLE)
+@command(app, epilog=EXAMPLE)
 def gain(
     log: Annotated[
         list[Path],
@@ -57,7 +58,7 @@ def gain(
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """Measure the gain: how well an extended model predicts runs that nothing was named from.
 
     Errors by channel and horizon of the minimal model, of healthy robots, of the extended model
@@ -86,7 +87,5 @@ def gain(
     except rg.GainFailed as error:
         say(f"realitygap: {error}", err=True)
         raise typer.Exit(1) from None
-    if not quiet:
-        for line in found.summary:
-            say(line)
-        say(f"{out / 'report.html'}: written")
+    line, *notes = found.summary
+    return Outcome(found.content, line, out / "report.html", notes)

@@ -10,12 +10,12 @@ import typer
 import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import Force, Model, Out, Quiet, Seed
-from realitygap.studies.cli.say import say
+from realitygap.studies.cli.outcome import Outcome, command
 
 EXAMPLE = """Example: realitygap gap out/run1 --out out/gap1"""
 
 
-@app.command(epilog=EXAMPLE)
+@command(app, epilog=EXAMPLE)
 def gap(
     log: Annotated[Path, typer.Argument(help="Measured log, or the directory of a run or study.")],
     out: Out,
@@ -23,7 +23,7 @@ def gap(
     seed: Seed = 0,
     force: Force = False,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """Show what the simulation gets wrong: replay a measured log through the point model.
 
     Writes gap.json, tidy tables and figures. A directory with generations.parquet (a run's or a
@@ -33,7 +33,5 @@ def gap(
 
     with Stages("gap", quiet) as shown:
         found = rg.measure_gap(log, model=model, seed=seed, out=out, force=force, begin=shown.begin)
-    if not quiet:
-        for line in found.summary:
-            say(line)
-        say(f"{out / 'gap.json'}: written")
+    line, *notes = found.summary
+    return Outcome(found.content, line, out / "gap.json", notes)

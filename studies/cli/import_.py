@@ -10,14 +10,15 @@ import typer
 import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import Force, Quiet, out_option
-from realitygap.studies.cli.say import say
+from realitygap.studies.cli.outcome import Outcome, command
+from realitygap.studies.cli.say import say_all
 
 FORMATS = ("csv", "rosbag", "mcap", "tum", "euroc", "lerobot", "optiodom", "mrclam")
 
 EXAMPLE = """Example: realitygap import csv mine.csv --out log.parquet"""
 
 
-@app.command(name="import", epilog=EXAMPLE)
+@command(app, name="import", epilog=EXAMPLE)
 def import_(
     format_: Annotated[str, typer.Argument(metavar="FORMAT", help=", ".join(FORMATS) + ".")],
     source: Annotated[list[Path], typer.Argument(help="Directory or files of that format.")],
@@ -42,7 +43,7 @@ def import_(
     ] = False,
     force: Force = False,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """Turn a lab's own format into the measured-log table.
 
     csv: any table. rosbag, mcap: ROS 1 and ROS 2. tum, euroc: trajectories, with --commands.
@@ -52,10 +53,7 @@ def import_(
     from realitygap.studies.plumbing.progress import Stages
 
     if list_:
-        for one in source:
-            for line in rg.topics(one).to_string(index=False).splitlines():
-                say(line)
-        return
+        return _topics(source)
     if out is None:
         raise typer.BadParameter("got nothing, expected a path", param_hint="'--out'")
     with Stages("import", quiet) as shown:
@@ -69,11 +67,28 @@ def import_(
             force=force,
             begin=shown.begin,
         )
-    if quiet:
-        return
-    if log.guessed:
-        for line in (*log.guessed.splitlines(), f"{rg.guessed_map(out)}: written"):
-            say(line)
-    for note in log.notes:
-        say(note)
-    say(f"{out}: {log.size}")
+    map_beside = rg.guessed_map(out) if log.guessed else None
+    told = [] if map_beside is None else [*log.guessed.splitlines(), f"{map_beside}: written"]
+    result = {
+        "log": str(out),
+        "map": None if map_beside is None else str(map_beside),
+        "rows": len(log.table),
+        "runs": log.runs,
+        "robots": log.robots,
+        "step": log.step,
+        "notes": log.notes,
+    }
+    return Outcome(result, log.size, out, [*told, *log.notes])
+
+
+def _topics(bags: list[Path]) -> Outcome:
+    """What bags hold."""
+    import pandas as pd
+
+    table = pd.concat([rg.topics(one).assign(bag=str(one)) for one in bags])
+
+    def show() -> None:
+        for _, part in table.groupby("bag", sort=False):
+            say_all(part.drop(columns="bag").to_string(index=False).splitlines())
+
+    return Outcome(table, show=show)

@@ -20,6 +20,7 @@ from realitygap.studies.cli.options import (
     StudyOut,
     within,
 )
+from realitygap.studies.cli.outcome import Outcome, command
 from realitygap.studies.cli.resume import resumable
 from realitygap.studies.cli.say import say
 
@@ -32,67 +33,69 @@ measure = typer.Typer(
 app.add_typer(measure)
 
 
-@measure.command(epilog="Example: realitygap measure bench --out out/bench.json")
+@command(measure, epilog="Example: realitygap measure bench --out out/bench.json")
 def bench(
     out: Out,
     minutes: Minutes = 5.0,
     engine: Engine = "pybullet",
     force: Force = False,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """Time reality, bare physics and the embedded simulator in one process."""
     from realitygap.studies.measure.bench import bench
     from realitygap.studies.plumbing.progress import Progress
 
     with Progress("bench", 1.0, quiet) as shown:
         found = bench(out, minutes=minutes, engine=engine, force=force, reach=shown.reach)
-    if not quiet:
-        for name, value in found.items():
-            if isinstance(value, float):
-                say(f"{name}: {value:.4g}")
-        say(f"the time of {found['robots']} robots co-evolving for {minutes:g} min goes to")
-        for part, share in found["shares"].items():
-            say(f"  {part}: {100.0 * share:.1f} %")
+    notes = [f"{name}: {value:.4g}" for name, value in found.items() if isinstance(value, float)]
+    notes.append(f"the time of {found['robots']} robots co-evolving for {minutes:g} min goes to")
+    notes += [f"  {part}: {100.0 * share:.1f} %" for part, share in found["shares"].items()]
+    fast = found["co_evolution_times_real_time"]
+    line = f"{found['robots']} robots co-evolve {fast:.3g} times as fast as time"
+    return Outcome(found, line, out, notes)
 
 
-@measure.command(epilog="Example: realitygap measure scaling --out out/scaling")
-def scaling(out: Out, minutes: Minutes = 1.0, force: Force = False, quiet: Quiet = False) -> None:
+@command(measure, epilog="Example: realitygap measure scaling --out out/scaling")
+def scaling(
+    out: Out, minutes: Minutes = 1.0, force: Force = False, quiet: Quiet = False
+) -> Outcome:
     """How a run's cost grows with robots (runs of --minutes) and with minutes, with a figure."""
     from realitygap.studies.measure.scaling import scaling
     from realitygap.studies.plumbing.progress import Progress
 
     with Progress("runs", 1.0, quiet) as shown:
         table = scaling(out, minutes=minutes, force=force, reach=shown.reach)
-    if not quiet:
-        typer.echo(table.to_string(index=False))
+    notes = table.to_string(index=False).splitlines()
+    return Outcome(table, f"{len(table)} runs timed", out, notes)
 
 
-@measure.command(epilog="Example: realitygap measure convergence")
-def convergence() -> None:
+@command(measure, epilog="Example: realitygap measure convergence")
+def convergence() -> Outcome:
     """Print whether the physics is converged: its settings against finer ones (Markdown)."""
     from realitygap.studies.measure.convergence import convergence
 
-    typer.echo(convergence(), nl=False)
+    text = convergence()
+    return Outcome({"markdown": text}, show=lambda: typer.echo(text, nl=False))
 
 
-@measure.command(epilog="Example: realitygap measure inherent-gap --out out/inherent-gap")
+@command(measure, epilog="Example: realitygap measure inherent-gap --out out/inherent-gap")
 def inherent_gap(
     out: Out,
     seeds: Annotated[int, typer.Option(callback=within(2, MOST_RUNS), help="Runs.")] = 24,
     minutes: Minutes = 2.0,
     force: Force = False,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """What the world does that the point model does not, with nothing hidden: tables, a figure."""
     from realitygap.studies.measure.inherent_gap import inherent_gap
     from realitygap.studies.plumbing.progress import Progress
 
     with Progress("runs", 1.0, quiet) as shown:
         inherent_gap(out, seeds=seeds, minutes=minutes, force=force, reach=shown.reach)
-    shown.say(f"{out / 'inherent-gap.json'}: written")
+    return Outcome(out / "inherent-gap.json", f"{seeds} runs with nothing hidden", out)
 
 
-@measure.command(epilog="Example: realitygap measure ambiguous --trials 6 --out out/ambiguous.csv")
+@command(measure, epilog="Example: realitygap measure ambiguous --trials 6 --out out/ambiguous.csv")
 def ambiguous(
     out: Out,
     trials: Annotated[int, typer.Option(callback=within(1, MOST_RUNS), help="Of each pair.")] = 6,
@@ -103,7 +106,7 @@ def ambiguous(
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """Whether the proposed manoeuvre settles what a log left open (docs/next-experiment.md)."""
     from realitygap.studies.measure.ambiguous import ambiguous
 
@@ -116,28 +119,30 @@ def ambiguous(
         force=force,
         say=(lambda line: None) if quiet else say,
     )
-    if not quiet:
-        counted = table[table["ambiguous"]].groupby("pair")["right"].agg(["sum", "count"])
-        typer.echo(counted.to_string())
+    asked = table[table["ambiguous"]]
+    counted = asked.groupby("pair")["right"].agg(["sum", "count"])
+    line = f"{asked['right'].sum()} of {len(asked)} ambiguous logs settled rightly"
+    return Outcome(table, line, out, counted.to_string().splitlines())
 
 
-@measure.command(epilog="Example: realitygap measure healthy-scores out/healthy/* --out scores.png")
+@command(
+    measure, epilog="Example: realitygap measure healthy-scores out/healthy/* --out scores.png"
+)
 def healthy_scores(
     log: Annotated[list[Path], typer.Argument(help="Runs of healthy e-pucks, equally many each.")],
     out: Out,
     force: Force = False,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """How scores are distributed in healthy logs: a figure, and shares beyond some distances."""
     from realitygap.studies.measure.healthy_scores import healthy_scores
 
     lines = healthy_scores(log, out, force=force)
-    if not quiet:
-        for line in lines:
-            say(line)
+    *notes, line = lines
+    return Outcome({"lines": lines}, line, out, notes)
 
 
-@measure.command(epilog="Example: realitygap measure gain --runs 2 --minutes 1 --out out/gains")
+@command(measure, epilog="Example: realitygap measure gain --runs 2 --minutes 1 --out out/gains")
 def gain(
     out: StudyOut,
     times: Annotated[float, typer.Option(help="Sizes in bars of the blind battery.")] = 2.0,
@@ -154,7 +159,7 @@ def gain(
         list[str] | None, typer.Option(help="Effect, repeatable; all that have a term if absent.")
     ] = None,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """Hide every effect, name it from one log, extend the model, measure on held-out runs.
 
     Writes catalogue.csv and catalogue.md; resumes like `study paper`.
@@ -173,5 +178,5 @@ def gain(
             only=only or (),
             say=(lambda line: None) if quiet else say,
         )
-    if not quiet:
-        typer.echo(table)
+    *notes, line = table.strip().splitlines()
+    return Outcome(out / "catalogue.csv", line, out / "catalogue.md", notes)

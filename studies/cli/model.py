@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import tomllib
 from typing import Annotated
 
 import typer
 
 import realitygap as rg
 from realitygap.studies.cli import app
-from realitygap.studies.cli.say import say
+from realitygap.studies.cli.outcome import Outcome, command
+from realitygap.studies.cli.say import say_all
 
 EXAMPLE = """Example: realitygap model new --wheel-radius 0.033 --axle 0.16 > tb3.toml"""
 
@@ -21,7 +23,7 @@ def _group() -> None:
     """Model files of robots."""
 
 
-@models.command(epilog=EXAMPLE)
+@command(models, epilog=EXAMPLE)
 def new(
     wheel_radius: Annotated[float, typer.Option(help="m.")],
     axle: Annotated[float, typer.Option(help="m between the wheels' ground contacts.")],
@@ -32,7 +34,7 @@ def new(
         float | None, typer.Option(help="rad/s; 1 m/s of the rim if absent.")
     ] = None,
     name: Annotated[str, typer.Option(help="Of the robot.")] = "my robot",
-) -> None:
+) -> Outcome:
     """Print a model file for a robot on two wheels; --model takes it."""
     text = rg.new_model(
         wheel_radius=wheel_radius,
@@ -41,5 +43,5 @@ def new(
         wheel_speed_max=wheel_speed_max,
         name=name,
     )
-    for line in text.rstrip("\n").split("\n"):
-        say(line)
+    lines = text.rstrip("\n").split("\n")
+    return Outcome(tomllib.loads(text), show=lambda: say_all(lines))

@@ -20,11 +20,12 @@ from realitygap.studies.cli.options import (
     Seed,
     within,
 )
+from realitygap.studies.cli.outcome import Outcome, command
 
 EXAMPLE = """Example: realitygap reference healthy1.parquet healthy2.parquet --out lab.json"""
 
 
-@app.command(epilog=EXAMPLE)
+@command(app, epilog=EXAMPLE)
 def reference(
     out: Out,
     log: Annotated[
@@ -46,7 +47,7 @@ def reference(
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """Measure health: what sound robots do beyond the model, and how much they differ.
 
     `diagnose` names only what lies outside it. Use logs of robots you trust, several of them, of
@@ -68,4 +69,4 @@ def reference(
             force=force,
             reach=shown.reach,
         )
-    shown.say(f"{made.robots} healthy robots in {made.swarms} runs: {out}")
+    return Outcome(out, f"{made.robots} healthy robots in {made.swarms} runs", out)

@@ -4,37 +4,40 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
-
-import typer
+from typing import TYPE_CHECKING, Annotated
 
 import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import Force, out_option
+from realitygap.studies.cli.outcome import Outcome, command
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 PIPED = 160
 """Letters of a line where nobody says how wide a terminal is. Our choice."""
 
 
-@app.command(epilog="Example: realitygap rules | less")
+@command(app, epilog="Example: realitygap rules | less")
 def rules(
     out: Annotated[
         Path | None, out_option("Write them as Markdown instead; must not exist yet.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="As JSON, a list of objects.")] = False,
     force: Force = False,
-) -> None:
+) -> Outcome:
     """Print every number that naming was tuned to: value, unit, reason, and how it was set."""
+    found = rg.rules(out=out, force=force)
+    if out is not None:
+        return Outcome(found, f"{len(found)} rules", out)
+    return Outcome(found, show=lambda: _print(found))
+
+
+def _print(found: DataFrame) -> None:
+    """As a table."""
     from rich import box
     from rich.console import Console
     from rich.table import Table
 
-    found = rg.rules(out=out, force=force)
-    if out is not None:
-        return
-    if as_json:
-        typer.echo(found.to_json(orient="records", indent=1, force_ascii=False))
-        return
     table = Table(box=box.SIMPLE)
     for name in found.columns:
         table.add_column(name, no_wrap=name in ("rule", "value"))

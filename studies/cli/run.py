@@ -21,11 +21,12 @@ from realitygap.studies.cli.options import (
     Seed,
     Trials,
 )
+from realitygap.studies.cli.outcome import Outcome, command
 
 EXAMPLE = """Example: realitygap run --case light-at-nest --minutes 10 --seed 1 --out out/run1"""
 
 
-@app.command(epilog=EXAMPLE)
+@command(app, epilog=EXAMPLE)
 def run(
     out: Out,
     case: Annotated[
@@ -59,7 +60,7 @@ def run(
     no_samples: Annotated[bool, typer.Option("--no-samples", help="No samples.parquet.")] = False,
     force: Force = False,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """Let a swarm forage in a rigid-body world and write what was measured.
 
     Writes run.json, generations.parquet, deposits.parquet, samples.parquet (the measured log) and,
@@ -86,7 +87,5 @@ def run(
             reach=shown.reach,
         )
     speed = found.config.minutes * 60.0 / found.totals["wall_seconds"]
-    shown.say(
-        f"{found.totals['deposits']:.0f} items brought to the nest, "
-        f"{speed:.0f} times real time; tables in {out}"
-    )
+    brought = f"{found.totals['deposits']:.0f} items brought to the nest"
+    return Outcome(out / "run.json", f"{brought}, {speed:.0f} times real time", out)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import typer
 
 from realitygap.embedded_sim.errors import shown
@@ -13,3 +15,9 @@ LONGEST_LINE = 2000
 def say(line: str, *, err: bool = False) -> None:
     """Print a line, with what is not printable escaped."""
     typer.echo(shown(line, LONGEST_LINE), err=err)
+
+
+def say_all(lines: Iterable[str]) -> None:
+    """Print lines."""
+    for line in lines:
+        say(line)

@@ -21,6 +21,7 @@ from realitygap.studies.cli.options import (
     StudyOut,
     within,
 )
+from realitygap.studies.cli.outcome import Outcome, command, records
 from realitygap.studies.cli.resume import resumable
 
 study = typer.Typer(
@@ -32,7 +33,7 @@ study = typer.Typer(
 app.add_typer(study)
 
 
-@study.command(epilog="Example: realitygap study paper --runs 2 --minutes 4 --out out/study")
+@command(study, epilog="Example: realitygap study paper --runs 2 --minutes 4 --out out/study")
 def paper(
     out: StudyOut,
     runs: Annotated[
@@ -47,7 +48,7 @@ def paper(
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """Repeat section IV of the paper: eight conditions, figures 6 to 8, and every claim tested.
 
     Two conditions more try half of the robots with either controller that evolves at the nest.
@@ -68,10 +69,12 @@ def paper(
             scheduler=scheduler,
             quiet=quiet,
         )
-    say_outcome(found, quiet)
+    return studied(found)
 
 
-@study.command(epilog="Example: realitygap study readings --runs 2 --minutes 10 --out out/readings")
+@command(
+    study, epilog="Example: realitygap study readings --runs 2 --minutes 10 --out out/readings"
+)
 def readings(
     out: StudyOut,
     runs: Annotated[
@@ -84,7 +87,7 @@ def readings(
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """Read the paper otherwise: which claims depend on the reading, on the lamp, on selection.
 
     Mutation s.d. 2, 0.2, 0.02 with clamped, wrapped or reflected genes; the readings literal and
@@ -103,11 +106,11 @@ def readings(
             scheduler=scheduler,
             quiet=quiet,
         )
-    say_outcome(found, quiet)
+    return studied(found)
 
 
-def say_outcome(found: rg.StudyResult, quiet: bool) -> None:
-    """What came out, and where it is written."""
-    if not quiet:
-        typer.echo(found.outcome)
-        typer.echo(f"{found.path / 'report.html'}: written")
+def studied(found: rg.StudyResult) -> Outcome:
+    """What came out, with every table but the rows of single generations."""
+    tables = {name: records(one) for name, one in found.tables.items() if name != "generations"}
+    result = {"outcome": found.outcome, "path": str(found.path), "tables": tables}
+    return Outcome(result, found.outcome, found.path / "report.html")

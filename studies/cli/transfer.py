@@ -22,13 +22,14 @@ from realitygap.studies.cli.options import (
     Trials,
     within,
 )
+from realitygap.studies.cli.outcome import Outcome, command
 from realitygap.studies.cli.resume import resumable
-from realitygap.studies.cli.study import say_outcome, study
+from realitygap.studies.cli.study import studied, study
 
 EXAMPLE = "Example: realitygap study transfer --effect window-at-nest --runs 3 --out out/transfer"
 
 
-@study.command(epilog=EXAMPLE)
+@command(study, epilog=EXAMPLE)
 def transfer(
     out: StudyOut,
     effect: Annotated[
@@ -59,7 +60,7 @@ def transfer(
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     quiet: Quiet = False,
-) -> None:
+) -> Outcome:
     """Co-evolve in altered reality with the minimal, the extended and the oracle model on board.
 
     Writes transfer.json, transfer.csv, runs.csv, figures/ and report.html. Stopped or killed, the
@@ -83,4 +84,4 @@ def transfer(
             scheduler=scheduler,
             quiet=quiet,
         )
-    say_outcome(found, quiet)
+    return studied(found)

@@ -73,7 +73,7 @@ def gain(
         InputError: a log, model or effect cannot be used, nothing is held out, or `out` cannot.
         GainFailed: a run could not be recorded or measured.
     """
-    holds, world = (FILE,), engine_name(engine)
+    holds, world = (FILE,), engine_name(engine, needed=bool(effects))
     place = nullcontext() if out is None else whole_directory(Path(out), force=force, holds=holds)
     with place as part:
         request = GainRequest(

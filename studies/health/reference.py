@@ -119,7 +119,7 @@ def measure_health(
         runs=runs,
         manoeuvres=manoeuvres,
         seed=seed,
-        engine=engine_name(engine),
+        engine=engine_name(engine, needed=runs > 0),
         model=Model.load(model),
         jobs=jobs,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Sequence
 from types import TracebackType
@@ -107,6 +108,7 @@ class Stages(Shown):
 
     def begin(self, stage: str) -> None:
         """This is done from now on."""
+        logging.getLogger("realitygap").info("%s: %s", self._what, shown(stage))
         self._change(description=shown(f"{self._what}: {stage}"))
 
 

@@ -22,7 +22,7 @@ ROOMS = ("embedded_sim", "reality", "models", "studies")
 """Folders of `ROOT` that the program is."""
 SOURCES = (".py", ".c", ".h", ".toml", ".npz", ".json", ".j2")
 """Endings of what people wrote, and of the data that ships."""
-EXTRA = ("mujoco-core",)
+EXTRA = ("pybullet", "mujoco-core")
 """Libraries that matter where they are installed."""
 MADE = ("_core.c", "_optics.c")
 """Written by cffi, with its own version in it."""
@@ -35,7 +35,7 @@ def versions() -> dict[str, str]:
 
 @cache
 def _versions() -> tuple[tuple[str, str], ...]:
-    names = ["reality-gap", "pybullet", "numpy", "scipy", "pandas", "pyarrow"]
+    names = ["reality-gap", "numpy", "scipy", "pandas", "pyarrow"]
     names += [name for name in EXTRA if find_spec(name.partition("-")[0])]
     return (
         ("python", platform.python_version()),

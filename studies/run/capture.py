@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from realitygap.embedded_sim import Tables
+from realitygap.embedded_sim.errors import InputError
 from realitygap.models import load_model, load_tables, save_tables
 from realitygap.models.belief.curves import tables_of
-from realitygap.reality import capture as protocol
+from realitygap.reality.engine import installed
 from realitygap.studies.plumbing.output import readable, whole_file
 from realitygap.studies.plumbing.progress import unseen
 
@@ -36,8 +37,14 @@ def capture(
         tell: Called with each sentence about what the curves leave open.
 
     Raises:
-        InputError: `out` cannot be written, or a curve cannot be used.
+        InputError: `out` cannot be written, a curve cannot be used, or there are no curves and
+            pybullet is not installed.
     """
+    if not curves and not installed("pybullet"):
+        expected = (
+            "curves of your own sensors: a nominal robot is captured in pybullet, which is not"
+        )
+        raise InputError("--from", "nothing", f"{expected} installed (Python 3.11 has it)")
     with whole_file(Path(out), force=force, ours=readable(load_tables)) as part:
         if curves:
             shipped = load_model().tables
@@ -46,6 +53,8 @@ def capture(
             for note in notes:
                 tell(note)
         else:
-            tables = protocol.capture(np.random.SeedSequence(seed), reach)
+            from realitygap.reality.capture import capture as captured  # imports pybullet
+
+            tables = captured(np.random.SeedSequence(seed), reach)
         save_tables(tables, part)
     return tables

@@ -37,7 +37,7 @@ COMMANDS = (
     "study readings",
     "study transfer",
     "blind",
-    "gain --log nothing --extended nothing",
+    "gain --log nothing --extended nothing --effect motor_lag:time_constant=0.1,robot=1",
     "demo",
     "reference --runs 1",
 )

@@ -85,7 +85,7 @@ def test_a_study_ends_with_its_result_and_the_path_of_its_page(
     monkeypatch.setattr(run, lambda *args, **options: "What came out.")
     page = tmp_path / "study" / "report.html"
     assert _run(monkeypatch, name, "--out", str(page.parent)) == 0
-    assert capsys.readouterr().out.splitlines() == ["What came out.", f"{page}: written"]
+    assert capsys.readouterr().out.splitlines() == [f"What came out. See {page}"]
     assert _run(monkeypatch, name, "--out", str(page.parent), "--quiet") == 0
     assert capsys.readouterr().out == ""
 
