@@ -1,7 +1,7 @@
 """What can be wrong though no catalogue lists it: the diagnosis must say that it is at a loss.
 
-They are physical, each follows a quantity that a log holds, and `FOLLOWS` says which. They are
-known to the battery alone: `realitygap run` does not take them.
+They are physical, each follows a quantity that a log holds, and the battery's menu says which.
+They are known to the battery alone: `realitygap run` does not take them.
 """
 
 from __future__ import annotations
@@ -170,14 +170,3 @@ UNLISTED: Mapping[str, Effect] = {
     )
 }
 """By name."""
-
-FOLLOWS: Mapping[str, str] = {
-    "eccentric_wheel": "left_wheel_angle right_wheel_angle",
-    "carpet": "place",
-    "shy_robots": "neighbour",
-    "speed_loss": "speed speed_squared wheel_speed",
-    "lens": "place radius radial",
-    "low_sun": "heading",
-    "flicker": "time",
-}
-"""The measured quantities that tell it, any of them, as `quantity` in `diagnosis.json`."""

@@ -72,8 +72,8 @@ class Entry:
 
 
 def entries(kind: str) -> Iterator[Entry]:
-    """The effects of a kind, in the order of the battery's menu."""
-    order = list(MENU)
+    """The effects of a kind, in the order of the battery's menu, others last."""
+    order = [*MENU, *(name for name in catalogue() if name not in MENU)]
     effects = [effect for effect in catalogue().values() if effect.kind == kind]
     for effect in sorted(effects, key=lambda e: order.index(e.name)):
         keys = tuple(key_text(name, p) for name, p in effect.parameters.items())
