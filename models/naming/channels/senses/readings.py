@@ -15,7 +15,7 @@ import numpy as np
 from realitygap.embedded_sim import SENSORS, PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.senses import Belief
-from realitygap.models.naming.channels.senses.predicted import noise, own_noise, read
+from realitygap.models.naming.channels.senses.predicted import noise, own_noise, told
 from realitygap.models.naming.channels.senses.quantities import Key, of_readings, of_rows
 from realitygap.models.naming.channels.senses.sight import (
     NEAREST_LAMP,
@@ -71,7 +71,7 @@ class Eye:
         return np.stack(found, axis=2)
 
     def _read(self, sight: Sight, belief: Belief) -> FloatArray:
-        return read(sight, belief.of(self.model), np.arange(len(sight.time)))
+        return told(sight, self.model, belief, np.arange(len(sight.time)))
 
     def usable(self, belief: Belief) -> Bools:
         """(rows, 16) readings that say something of wall and lamps, wherever these are believed."""
@@ -120,8 +120,8 @@ class Readings:
         self.own = (self._picked(own) / self.sd) ** 2
         """(n,) share of the variance that is the sensors' own."""
         seen = counts - np.hstack([belief.senses.ps_offset, np.zeros(SENSORS)])
-        told = self._picked(seen)
-        self.signal = told if name == "infrared" else model.tables.ls_dark - told
+        reading = self._picked(seen)
+        self.signal = reading if name == "infrared" else model.tables.ls_dark - reading
         window = np.floor(sight.time[self.row] / sight.rules.window).astype(np.int64)
         key = sight.run[self.row] * (window.max(initial=0) + 1) + window
         self.window = np.unique(key, return_inverse=True)[1]
@@ -133,8 +133,8 @@ class Readings:
     def errors(self, belief: Belief) -> FloatArray:
         """(n,) in noise if something is believed."""
         senses = replace(belief.senses, ps_noise=self._scale)  # of noise its scatter tells
-        told = self.eye.counts(replace(belief, senses=senses))
-        return (self._read - self._picked(told)) / self.sd
+        counts = self.eye.counts(replace(belief, senses=senses))
+        return (self._read - self._picked(counts)) / self.sd
 
     @property
     def moments(self) -> Rows:
