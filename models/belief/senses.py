@@ -21,6 +21,11 @@ ONE_SENSOR = SENSORS_OR_ALL[1:]
 class Memory(Protocol):
     """A term that needs what a sensor read before. It can be hashed, as a frozen dataclass can."""
 
+    @property
+    def reach(self) -> tuple[float, float]:
+        """s after which what infrared and light read before matters no more. So long after another
+        robot was in the way, whose effect nobody predicts, readings do not count."""
+
     def __call__(self, counts: FloatArray, time: FloatArray) -> FloatArray:
         """What is read instead.
 

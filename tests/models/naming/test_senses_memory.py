@@ -12,7 +12,7 @@ from realitygap.models.log.measured import make_log
 from realitygap.models.naming.channels.senses.predicted import predict
 from realitygap.models.naming.channels.senses.readings import Eye
 from realitygap.models.naming.channels.senses.sight import Sight, look
-from tests.models.naming.test_senses import CENTRES, MODEL, table
+from tests.models.naming.test_senses import CENTRES, MODEL, STEP, table
 
 ROBOTS = len(CENTRES)
 HEALTHY = Belief(senses=MODEL.senses)
@@ -23,6 +23,10 @@ class Late:
     """What was read so many rows before, at first what is read first."""
 
     rows: int
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        return 0.0, STEP * (self.rows + 0.5)
 
     def __call__(self, counts: FloatArray, time: FloatArray) -> FloatArray:
         assert (np.diff(time) > 0.0).all()
@@ -72,3 +76,13 @@ def test_two_memories_act_one_after_the_other() -> None:
     both = replace(HEALTHY, memory=(Late(2), Late(3)))
     found = predict(whole, MODEL, [both] * ROBOTS)
     np.testing.assert_allclose(found, predict(whole, MODEL, [remembering(5)] * ROBOTS), atol=1e-9)
+
+
+def test_light_does_not_count_as_long_as_a_shadow_is_remembered() -> None:
+    whole, _ = sights()
+    free = np.ones_like(whole.free)
+    free[100, [2, 8 + 2]] = False  # of an infrared and of a light sensor
+    eye = Eye(replace(whole, free=free).of(0), MODEL)
+    assert (eye.usable(HEALTHY) == eye.sight.free).all()
+    lost = eye.sight.free & ~eye.usable(remembering(5))
+    assert np.argwhere(lost).tolist() == [[row, 8 + 2] for row in range(101, 106)]

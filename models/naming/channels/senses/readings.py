@@ -39,6 +39,8 @@ SWINGS = ("light", "share")
 """Where swings in time are looked for, for lamps flicker; single places only as a share."""
 KINDS = {"infrared": ("ps", "both"), "light": ("ls", "both")}
 """Kinds of causes that a channel shows."""
+RUN_APART = 1e6
+"""s that is longer than any run. No rule: as good as infinite."""
 REMEMBERED = 64
 """Beliefs whose counts are kept: both channels of a robot ask for the same ones.
 No rule: of memory."""
@@ -80,7 +82,15 @@ class Eye:
             poses = self.sight.poses[mine]
             shaded = self.sight.neighbours.only(mine).before_lamp(poses, lamp, self.model)
             use[mine, SENSORS:] &= ~(too_near(poses, lamp)[:, None] | shaded)
+        for memory in belief.memory:
+            use &= self._since_hidden() > np.repeat(memory.reach, SENSORS)
         return use
+
+    def _since_hidden(self) -> FloatArray:
+        """(rows, 16) s since a reading of the run may have been caused by something else."""
+        clock = (self.sight.time + RUN_APART * self.sight.run)[:, None]
+        hidden = np.where(self.sight.free, -np.inf, clock)
+        return np.asarray(clock - np.maximum.accumulate(hidden, axis=0))
 
     def _elsewhere(self, belief: Belief) -> Iterator[tuple[Bools, tuple[float, float]]]:
         """Lamps believed to stand elsewhere than in the model, and (rows,) when they are lit."""
