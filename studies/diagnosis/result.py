@@ -13,7 +13,7 @@ from realitygap.models.naming.channels.senses.joined import WholeExamination
 from realitygap.models.naming.diagnosis import Verdict
 from realitygap.studies.diagnosis.words import verdict_sentence
 from realitygap.studies.inputs.model import Model
-from realitygap.studies.pages.notebook import Told, rows_table
+from realitygap.studies.pages.notebook import Telling, rows_table
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.provenance import write_json
 
@@ -21,7 +21,7 @@ FILE = "diagnosis.json"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DiagnosisResult(Told):
+class DiagnosisResult(Telling):
     """What is wrong with the robots of a log, and the model that knows of it."""
 
     content: Mapping[str, Any]
@@ -123,7 +123,7 @@ class DiagnosisResult(Told):
         )
 
     def told(self) -> tuple[str, str, str]:
-        """As `Told`."""
+        """As `Telling`."""
         return f"Diagnosis: {self.verdict}", self.sentence, ".causes .detectable .gain .extended"
 
 

@@ -106,7 +106,7 @@ class Eye:
                 yield mine, (lamp[0] + dx, lamp[1] + dy)
 
 
-class Readings:
+class ReadingRows:
     """One robot's readings of one channel, at what is believed of it."""
 
     axes = 1
