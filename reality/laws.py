@@ -1,12 +1,13 @@
 """Further laws of an odd world: what is wrong with it when no effect of the catalogue is.
 
-Each law is a function that is applied where its quantity arises; None leaves the world as it is.
+Each law is a function that is applied where its quantity arises; None, or an empty list, leaves the
+world as it is.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +20,9 @@ TrackerLaw = Callable[[FloatArray], FloatArray]
 """Poses (robots, 3) -> poses seen."""
 InfraredLaw = Callable[[FloatArray, FloatArray], FloatArray]
 """(sensors' directions in the world (robots, 8) rad, poses (robots, 3)) -> counts to add."""
+LightLaw = Callable[[FloatArray], FloatArray]
+"""Counts of the light sensors (robots, 8) -> counts that they tell. Asked once in each control
+step, so that it may remember what it was asked before."""
 LampLaw = Callable[[float], float]
 """s -> factor on the lamp's power."""
 
@@ -31,3 +35,5 @@ class Laws:
     tracker: TrackerLaw | None = None
     infrared: InfraredLaw | None = None
     lamp: LampLaw | None = None
+    light: list[LightLaw] = field(default_factory=list)
+    """One after the other."""

@@ -169,6 +169,8 @@ class Light:
             self._drawn,
             self._read,
         )
+        for law in self._hardware.laws.light:
+            np.clip(np.rint(law(self.counts)), 0.0, k.COUNTS_MAX, out=self.counts)
 
 
 class Tracker:

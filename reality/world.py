@@ -13,7 +13,7 @@ import numpy as np
 from realitygap.embedded_sim.errors import Diverged, InputError
 from realitygap.reality import constants as k
 from realitygap.reality.clock import Past
-from realitygap.reality.effects.spec import Hidden
+from realitygap.reality.effects.spec import HiddenEffect
 from realitygap.reality.encoders import Encoders
 from realitygap.reality.engine import DEFAULT, engine_class
 from realitygap.reality.hardware import FloatArray, Hardware
@@ -29,7 +29,7 @@ class World:
         robots: int,
         seed: np.random.SeedSequence,
         *,
-        effects: Sequence[Hidden] = (),
+        effects: Sequence[HiddenEffect] = (),
         poses: FloatArray | None = None,
         lamp_power: float = k.LAMP_POWER,
         engine: str = DEFAULT,

@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from realitygap.reality.engine import DEFAULT, engine_name
-from realitygap.studies.pages.notebook import Told
+from realitygap.studies.pages.notebook import Telling
 from realitygap.studies.paper import study as whole
 from realitygap.studies.paper.conditions import study_config
 from realitygap.studies.plumbing.execution import Workers
@@ -21,7 +21,7 @@ from realitygap.studies.transfer.plan import transfer_config
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class StudyResult(Told):
+class StudyResult(Telling):
     """A finished study: its tables are read when they are asked for."""
 
     path: Path
@@ -36,7 +36,7 @@ class StudyResult(Told):
         return tables | {p.stem: pd.read_csv(p) for p in sorted(self.path.glob("*.csv"))}
 
     def told(self) -> tuple[str, str, str]:
-        """As `Told`."""
+        """As `Telling`."""
         return f"Study ({self.path})", self.outcome, f".tables and {self.path / 'report.html'}"
 
 

@@ -36,7 +36,7 @@ ROOM = 0.01
 0.06 % of the places drawn for food are outside it at least, of some 100 000 that C draws."""
 
 
-class Robot(Table):
+class RobotSection(Table):
     """`[robot]`: a body on two wheels."""
 
     wheel_radius: Length
@@ -94,7 +94,7 @@ class ModelFile(Table):
     """A whole model file."""
 
     name: Annotated[str, Field(min_length=1)]
-    robot: Robot
+    robot: RobotSection
     arena: Arena | None = None
     """Absent: motion in the open; the wall is not modelled and place means nothing."""
     lamps: Lamps = Lamps()

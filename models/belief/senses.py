@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 from realitygap.embedded_sim import PointModel
 from realitygap.embedded_sim.model import FloatArray
@@ -17,11 +18,33 @@ SENSORS_OR_ALL = ("all", *(str(k) for k in range(len(PS))))
 ONE_SENSOR = SENSORS_OR_ALL[1:]
 
 
+class Memory(Protocol):
+    """A term that needs what a sensor read before. It can be hashed, as a frozen dataclass can."""
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """s after which what infrared and light read before matters no more. So long after another
+        robot was in the way, whose effect nobody predicts, readings do not count."""
+
+    def __call__(self, counts: FloatArray, time: FloatArray) -> FloatArray:
+        """What is read instead.
+
+        Args:
+            counts: (rows, 16) that one robot would read without it in one run, ps0..ps7, ls0..ls7.
+            time: (rows,) s since the run began, rising; rows that the tracker missed are absent.
+
+        Returns:
+            (rows, 16) counts.
+        """
+
+
 @dataclass(frozen=True, kw_only=True)
 class Belief:
     """What is believed of one robot's senses and task; the defaults are the minimal model."""
 
     senses: Senses = field(default_factory=Senses)
+    memory: tuple[Memory, ...] = ()
+    """One after the other on what `senses` reads. Diagnosis alone knows it: no simulator does."""
     nest_shift: tuple[float, float] = (0.0, 0.0)
     """m."""
     nest_scale: float = 1.0
@@ -78,4 +101,4 @@ def chosen(variant: str) -> list[int]:
     return list(range(len(PS))) if variant == "all" else [int(variant)]
 
 
-__all__ = ["LS", "ONE_SENSOR", "PS", "SENSORS_OR_ALL", "Belief", "SenseCause", "chosen"]
+__all__ = ["LS", "ONE_SENSOR", "PS", "SENSORS_OR_ALL", "Belief", "Memory", "SenseCause", "chosen"]

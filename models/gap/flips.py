@@ -31,7 +31,7 @@ NEGLIGIBLE = 1e-9
 """m or rad; smaller errors are rounding and count as none."""
 
 
-class Map(NamedTuple):
+class Means(NamedTuple):
     """Group means of one channel over one condition."""
 
     condition: str
@@ -84,7 +84,7 @@ def residual_maps(
     rng: np.random.Generator,
     *,
     family: int = 1,
-) -> list[Map]:
+) -> list[Means]:
     """Every channel's group means over every condition, with family-wise p-values.
 
     Args:
@@ -123,7 +123,7 @@ def residual_maps(
             mean, error = total[:, :, k].sum(axis=0) / n, scale[:, k] / n
             rms = _sizes(found.value[:, k], cut)
             maps.append(
-                Map(
+                Means(
                     name,
                     channel,
                     cut.labels,

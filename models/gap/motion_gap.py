@@ -10,7 +10,7 @@ import pandas as pd
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.gap.conditions import Bins, bins, clear
-from realitygap.models.gap.flips import Map, residual_maps, scores
+from realitygap.models.gap.flips import Means, residual_maps, scores
 from realitygap.models.gap.replay import CHANNELS, HORIZONS, errors, windows
 from realitygap.models.gap.shares import Share, split
 from realitygap.models.gap.spread import Excess, excess
@@ -60,7 +60,7 @@ class MotionGap(NamedTuple):
     clear: npt.NDArray[np.bool_]
     """(windows,) free of contact, or all of them where nothing is set apart."""
     shares: dict[str, Share]
-    maps: list[Map]
+    maps: list[Means]
     excess: dict[str, Excess]
     """By channel: whether clear windows' errors spread more than noise."""
 
@@ -222,7 +222,7 @@ def _maps(
     pairs: Windows,
     rng: np.random.Generator,
     family: int,
-) -> list[Map]:
+) -> list[Means]:
     """All maps of one horizon: contact over all windows, everything else over the clear ones."""
     seconds = float(np.median(log.t[pairs.last] - log.t[pairs.first]))
     found = scores(error, floor, blocks(log, pairs.first, seconds))

@@ -14,7 +14,7 @@ from realitygap.embedded_sim import SENSORS, PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
 from realitygap.models.gap.conditions import Bins, bins, edges_bins
-from realitygap.models.gap.flips import Map, residual_maps, scores
+from realitygap.models.gap.flips import Means, residual_maps, scores
 from realitygap.models.gap.motion_gap import blocks, condition_bins
 from realitygap.models.gap.sensing import (
     SPACING,
@@ -52,7 +52,7 @@ class SensorGap(NamedTuple):
     """(rows,) no other robot in infrared range."""
     shares: dict[str, Share]
     """By channel; of infrared, over the rows at which any sensor should see the wall."""
-    maps: list[Map]
+    maps: list[Means]
 
 
 def sensor_gap(

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.gap.flips import CLIP, Map
+from realitygap.models.gap.flips import CLIP, Means
 
 INNER = (0.0668, 0.9332)
 """Quantiles of a normal variable at -1.5 and 1.5 standard deviations."""
@@ -71,7 +71,7 @@ def split(error: FloatArray, noise: FloatArray) -> Share:
     )
 
 
-def explained(found: Map, rms: float) -> float:
+def explained(found: Means, rms: float) -> float:
     """Share of the mean square error that differences between a map's groups account for.
 
     Less what chance gives; for the map of everything together, what its offset accounts for.
@@ -85,7 +85,7 @@ def explained(found: Map, rms: float) -> float:
     return float(np.clip(beyond / rms**2, 0.0, 1.0))
 
 
-def telling(found: Map) -> int:
+def telling(found: Means) -> int:
     """The group of a map that stands out most."""
     n = max(int(found.number.sum()), 1)
     several = int((found.number > 0).sum()) > 1

@@ -12,7 +12,7 @@ from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.belief.motion import Motion
 from realitygap.models.gap.believed import motions, own_models, replay_believed
 from realitygap.models.gap.conditions import Bins, conditions
-from realitygap.models.gap.flips import Map
+from realitygap.models.gap.flips import Means
 from realitygap.models.gap.horizons import horizon_errors
 from realitygap.models.gap.motion_gap import MotionGap, condition_bins, motion_gap
 from realitygap.models.gap.odd import Odd, odd_robots
@@ -51,7 +51,7 @@ class Gap:
     silent: tuple[str, ...]
     """What could not be judged, and why."""
 
-    def maps(self) -> list[tuple[str, str, Map]]:
+    def maps(self) -> list[tuple[str, str, Means]]:
         """Every map with its kind (motion, ps, ls) and horizon (empty for sensors)."""
         motion = [("motion", g.horizon, m) for g in self.motion for m in g.maps]
         return motion + [(g.kind, "", m) for g in self.sensors for m in g.maps]

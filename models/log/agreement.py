@@ -11,7 +11,7 @@ import numpy.typing as npt
 from realitygap.embedded_sim import Drive, replay
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.log.frames import Windows, motion, wrapped
-from realitygap.models.log.unit_mistakes import Reading
+from realitygap.models.log.unit_mistakes import UnitReading
 
 WINDOW = 1.0
 """s; long against latencies of real robots (0.3 s), short against their drift."""
@@ -56,7 +56,7 @@ def usual_step(t: FloatArray) -> float | None:
     return float(np.median(steps[steps > 0])) if (steps > 0).any() else None
 
 
-def disagreement(rows: Driven, reading: Reading) -> float | None:
+def disagreement(rows: Driven, reading: UnitReading) -> float | None:
     """How little measured and replayed motion agree under a reading, 0 to 1; None: no telling.
 
     Per window |measured - replayed| / (|measured| + |replayed|), median over the windows that move;

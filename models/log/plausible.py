@@ -19,7 +19,7 @@ import numpy.typing as npt
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.log.agreement import STEPS, Driven, contrast, disagreement, usual_step
-from realitygap.models.log.unit_mistakes import Reading, mistakes
+from realitygap.models.log.unit_mistakes import UnitReading, mistakes
 
 SAMPLE = 20_000
 """Rows looked at, from the start of every segment in turn: enough for any of these mistakes."""
@@ -72,7 +72,7 @@ def check_units(
 
 def _check_mistakes(rows: Driven) -> None:
     """Refuse a log that a usual mistake explains and that does not agree as it stands."""
-    mistake = _mistaken(rows, disagreement(rows, Reading()), mistakes(rows.drive))
+    mistake = _mistaken(rows, disagreement(rows, UnitReading()), mistakes(rows.drive))
     if mistake is not None:
         raise InputError("log", f"{contrast(rows)} ({mistake.seen})", mistake.fix)
 
@@ -82,13 +82,13 @@ def _check_alone(log: Driven, names: Sequence[str]) -> None:
 
     Signs are not judged: a robot whose motors are swapped drives a mirrored path.
     """
-    found: dict[int, Reading | None] = {}
+    found: dict[int, UnitReading | None] = {}
     parts = [log.part([one]) for one in _sample(log.start, ALONE)]
     if len(parts) < 2:
         return
     level = np.array([float(np.quantile(np.abs(rows.commands), 0.9)) for rows in parts])
     for k, rows in enumerate(parts):
-        asis = disagreement(rows, Reading())
+        asis = disagreement(rows, UnitReading())
         if asis is None:
             continue
         usual = float(np.median(np.delete(level, k)))
@@ -109,12 +109,14 @@ def _check_alone(log: Driven, names: Sequence[str]) -> None:
     raise InputError(f"{names[first]}{more}", said, mistake.fix)
 
 
-def _mistaken(rows: Driven, asis: float | None, readings: Sequence[Reading]) -> Reading | None:
+def _mistaken(
+    rows: Driven, asis: float | None, readings: Sequence[UnitReading]
+) -> UnitReading | None:
     """The reading that explains rows which disagree as they stand, if one does."""
     if asis is None or asis <= GOOD:
         return None
     tried = [(d, m) for m in readings if (d := disagreement(rows, m)) is not None]
-    best, mistake = min(tried, key=lambda pair: pair[0], default=(1.0, Reading()))
+    best, mistake = min(tried, key=lambda pair: pair[0], default=(1.0, UnitReading()))
     return mistake if best <= GOOD and best <= BETTER * asis else None
 
 

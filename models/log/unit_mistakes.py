@@ -13,7 +13,7 @@ EPUCK_STEPS = 1000
 
 
 @dataclass(frozen=True)
-class Reading:
+class UnitReading:
     """One way to read a log's numbers; the defaults are the right one."""
 
     seen: str = ""
@@ -28,7 +28,7 @@ class Reading:
     command: float = 1.0
 
 
-def mistakes(drive: Drive) -> list[Reading]:
+def mistakes(drive: Drive) -> list[UnitReading]:
     """The usual mistakes, each with what to do about it."""
     degree = np.pi / 180
     radius = sum(drive.wheel_radius) / 2
@@ -46,14 +46,16 @@ def mistakes(drive: Drive) -> list[Reading]:
         ),
     ]
     single = [
-        Reading(f"x and y look like {name}", f"metres: multiply by {k:g}", length=k)
+        UnitReading(f"x and y look like {name}", f"metres: multiply by {k:g}", length=k)
         for name, k in lengths
     ]
     single += [
-        Reading(f"t looks like {name}", f"seconds: multiply by {k:g}", time=k) for name, k in times
+        UnitReading(f"t looks like {name}", f"seconds: multiply by {k:g}", time=k)
+        for name, k in times
     ]
     single += [
-        Reading(seen, fix, angle=angle, mirrored=mirrored) for seen, fix, angle, mirrored in angles
+        UnitReading(seen, fix, angle=angle, mirrored=mirrored)
+        for seen, fix, angle, mirrored in angles
     ]
     commands = [
         ("degrees per second", "rad/s", degree),
@@ -66,9 +68,9 @@ def mistakes(drive: Drive) -> list[Reading]:
             2 * np.pi / EPUCK_STEPS,
         ),
     ]
-    single += [Reading(f"commands look like {n}", fix, command=k) for n, fix, k in commands]
+    single += [UnitReading(f"commands look like {n}", fix, command=k) for n, fix, k in commands]
     both = [
-        Reading(
+        UnitReading(
             f"x and y look like {name} and {seen}",
             f"metres (multiply by {k:g}) and {fix}",
             length=k,

@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 from realitygap.models.belief.extension import Extension
 from realitygap.models.log.named import Names
-from realitygap.models.log.preflight.entry import Entry
+from realitygap.models.log.preflight.entry import PreflightEntry
 from realitygap.models.log.used import Used
 from realitygap.models.naming.claims.written import written
 from realitygap.models.naming.findings import Named
@@ -87,7 +87,7 @@ class Diagnosis:
     """By robot that cannot be called sound, the causes that could be unseen in it."""
     used: tuple[Used, ...] = ()
     """How much of each robot's time could be used."""
-    preflight: tuple[Entry, ...] = ()
+    preflight: tuple[PreflightEntry, ...] = ()
     """What the log can tell."""
     not_checked: tuple[str, ...] = ()
     """What could not be looked at, and why, in words."""

@@ -14,7 +14,7 @@ from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.noise import PoseNoise
 from realitygap.models.log.preflight.colour import colour
-from realitygap.models.log.preflight.entry import Entry
+from realitygap.models.log.preflight.entry import PreflightEntry
 from realitygap.models.log.preflight.poses import facing, failures, steps_of
 from realitygap.models.log.preflight.stamps import commands, stamps
 from realitygap.models.log.schema import ENCODERS, LS, PS
@@ -41,7 +41,7 @@ def preflight(
     used: Sequence[Used],
     reference: Reference,
     recording: Sequence[Value],
-) -> tuple[Entry, ...]:
+) -> tuple[PreflightEntry, ...]:
     """What a log can tell.
 
     Args:
@@ -67,10 +67,10 @@ def preflight(
     )
 
 
-def _share(used: Sequence[Used]) -> Entry:
+def _share(used: Sequence[Used]) -> PreflightEntry:
     seconds = sum(one.seconds for one in used)
     share = sum(one.seconds * one.used for one in used) / seconds if seconds else 0.0
-    return Entry(
+    return PreflightEntry(
         name="used",
         meaning="share of all robots' time that is in windows",
         value=share,
@@ -79,11 +79,15 @@ def _share(used: Sequence[Used]) -> Entry:
     )
 
 
-def _of_time(log: MeasuredLog) -> Iterator[Entry]:
+def _of_time(log: MeasuredLog) -> Iterator[PreflightEntry]:
     found = stamps(log)
-    yield Entry(name="row_rate", meaning="rows of a robot", value=found.row_rate, unit="Hz")
-    yield Entry(name="pose_rate", meaning="new poses of a robot", value=found.pose_rate, unit="Hz")
-    yield Entry(
+    yield PreflightEntry(
+        name="row_rate", meaning="rows of a robot", value=found.row_rate, unit="Hz"
+    )
+    yield PreflightEntry(
+        name="pose_rate", meaning="new poses of a robot", value=found.pose_rate, unit="Hz"
+    )
+    yield PreflightEntry(
         name="stamp_jitter",
         meaning="standard deviation of a row's time about even times",
         value=found.jitter,
@@ -111,20 +115,24 @@ def _of_time(log: MeasuredLog) -> Iterator[Entry]:
     )
 
 
-def _repaired(name: str, meaning: str, value: float, why: str, *, done: bool = True) -> Entry:
+def _repaired(
+    name: str, meaning: str, value: float, why: str, *, done: bool = True
+) -> PreflightEntry:
     """Something that is repaired where it is, if that is done."""
     if not value or not done:
-        return Entry(name=name, meaning=meaning, value=value, unit="1")
-    return Entry(name=name, meaning=meaning, value=value, unit="1", follows="repaired", why=why)
+        return PreflightEntry(name=name, meaning=meaning, value=value, unit="1")
+    return PreflightEntry(
+        name=name, meaning=meaning, value=value, unit="1", follows="repaired", why=why
+    )
 
 
-def _of_commands(log: MeasuredLog, fitted: bool) -> Iterator[Entry]:
+def _of_commands(log: MeasuredLog, fitted: bool) -> Iterator[PreflightEntry]:
     found = commands(log)
-    yield Entry(
+    yield PreflightEntry(
         name="command_changes", meaning="changes of a robot's command", value=found.rate, unit="Hz"
     )
     shown = bool(found.together)
-    yield Entry(
+    yield PreflightEntry(
         name="commands_in_every_row",
         meaning="share of changes that another follows in the next row: "
         "the more, the likelier that rows miss some",
@@ -137,11 +145,13 @@ def _of_commands(log: MeasuredLog, fitted: bool) -> Iterator[Entry]:
     )
 
 
-def _of_tracker(log: MeasuredLog, replayed: FloatArray, noise: PoseNoise) -> Iterator[Entry]:
+def _of_tracker(
+    log: MeasuredLog, replayed: FloatArray, noise: PoseNoise
+) -> Iterator[PreflightEntry]:
     units = {"position": "m", "heading": "rad"}
     steps, colours = steps_of(log), colour(log, replayed)
     for (what, unit), sd, step, own in zip(units.items(), noise, steps, colours, strict=True):
-        yield Entry(
+        yield PreflightEntry(
             name=f"{what}_noise",
             meaning=f"standard deviation of the tracker's white noise in {what}",
             value=sd,
@@ -149,7 +159,7 @@ def _of_tracker(log: MeasuredLog, replayed: FloatArray, noise: PoseNoise) -> Ite
             follows="modelled",
             why="learned anew of each robot's rows",
         )
-        yield Entry(
+        yield PreflightEntry(
             name=f"{what}_noise_correlation",
             meaning=f"of the noise in {what} with that one pose later: 0 white, "
             "2/3 an average over three poses or every second one interpolated",
@@ -159,7 +169,7 @@ def _of_tracker(log: MeasuredLog, replayed: FloatArray, noise: PoseNoise) -> Ite
             unit="1",
             why="commands never hold for long enough to see" if own is None else "",
         )
-        yield Entry(
+        yield PreflightEntry(
             name=f"{what}_step",
             meaning=f"step in which {what}s come",
             value=step,
@@ -169,7 +179,7 @@ def _of_tracker(log: MeasuredLog, replayed: FloatArray, noise: PoseNoise) -> Ite
         )
 
 
-def _of_frame(log: MeasuredLog, model: ModelFile, noise: PoseNoise) -> Iterator[Entry]:
+def _of_frame(log: MeasuredLog, model: ModelFile, noise: PoseNoise) -> Iterator[PreflightEntry]:
     arena = model.arena
     reach = None if arena is None else arena.radius - model.robot.body_radius
     found = failures(log, noise, reach)
@@ -183,7 +193,7 @@ def _of_frame(log: MeasuredLog, model: ModelFile, noise: PoseNoise) -> Iterator[
             found.beyond,
             "they count as contact and are in no window of motion",
         )
-    yield Entry(
+    yield PreflightEntry(
         name="furthest_pose",
         meaning="from the middle" + ("" if reach is None else f"; the wall lets {reach:g} m"),
         value=found.furthest,
@@ -191,21 +201,21 @@ def _of_frame(log: MeasuredLog, model: ModelFile, noise: PoseNoise) -> Iterator[
     )
     faced = facing(log, noise, model.nominal_drive)
     unseen = "robots hardly move" if faced is None else ""
-    yield Entry(
+    yield PreflightEntry(
         name="yaw_off_motion",
         meaning="share of moves that are not within an eighth of a turn of the yaw",
         value=None if faced is None else faced.apart,
         unit="1",
         why=unseen,
     )
-    yield Entry(
+    yield PreflightEntry(
         name="motion_from_yaw",
         meaning="mean direction of motion less yaw",
         value=None if faced is None else faced.offset,
         unit="rad",
         why=unseen,
     )
-    yield Entry(
+    yield PreflightEntry(
         name="yaw_like",
         meaning="what fits the motion best: yaw, clockwise, degrees or quaternion z",
         value=None if faced is None else faced.like,
@@ -213,12 +223,12 @@ def _of_frame(log: MeasuredLog, model: ModelFile, noise: PoseNoise) -> Iterator[
     )
 
 
-def _of_recording(recording: Sequence[Value], alike: bool, known: bool) -> Iterator[Entry]:
+def _of_recording(recording: Sequence[Value], alike: bool, known: bool) -> Iterator[PreflightEntry]:
     found = {value.name: value for value in recording}
     unasked = "as the reference's logs" if alike else "no fit" if known else "no healthy reference"
     doubted = sorted(c.name for c in causes().values() if c.family == TRANSIENT)
     for name, (unit, meaning) in RECORDING.items():
-        entry = Entry(name=f"recording_{name}", meaning=meaning, value=None, unit=unit)
+        entry = PreflightEntry(name=f"recording_{name}", meaning=meaning, value=None, unit=unit)
         value = found.get(name)
         if value is None:
             yield replace(entry, why=f"not fitted: {unasked}")
@@ -234,7 +244,7 @@ def _of_recording(recording: Sequence[Value], alike: bool, known: bool) -> Itera
         )
 
 
-def _of_reference(log: MeasuredLog, reference: Reference, alike: bool) -> Iterator[Entry]:
+def _of_reference(log: MeasuredLog, reference: Reference, alike: bool) -> Iterator[PreflightEntry]:
     made = {
         "robots": ("healthy robots that it was made from", float(reference.robots), "1"),
         "swarms": ("runs that it was made from", float(reference.swarms), "1"),
@@ -243,9 +253,11 @@ def _of_reference(log: MeasuredLog, reference: Reference, alike: bool) -> Iterat
     }
     why = "" if reference.robots else "no healthy reference: what every robot does is like a fault"
     for name, (meaning, value, unit) in made.items():
-        yield Entry(name=f"reference_{name}", meaning=meaning, value=value, unit=unit, why=why)
+        yield PreflightEntry(
+            name=f"reference_{name}", meaning=meaning, value=value, unit=unit, why=why
+        )
     modelled = bool(reference.robots) and not alike
-    yield Entry(
+    yield PreflightEntry(
         name="recorded_like_reference",
         meaning="whether recorder and step are those of the reference; "
         f"of this log {log.recorder or 'unknown'} and {log.step:g} s",
@@ -255,7 +267,7 @@ def _of_reference(log: MeasuredLog, reference: Reference, alike: bool) -> Iterat
     )
 
 
-def _columns(log: MeasuredLog) -> Iterator[Entry]:
+def _columns(log: MeasuredLog) -> Iterator[PreflightEntry]:
     there = [name for name in log.frame.columns if log.frame[name].notna().any()]
     sensed = sense_causes().values()
     apart = [c for c in causes().values() if c.twins and c.separated_by]
@@ -271,12 +283,14 @@ def _columns(log: MeasuredLog) -> Iterator[Entry]:
         yield _present(name, set(columns) & set(there), silenced, why)
 
 
-def _present(name: str, there: Collection[str], silenced: Collection[str], why: str) -> Entry:
+def _present(
+    name: str, there: Collection[str], silenced: Collection[str], why: str
+) -> PreflightEntry:
     """Whether some columns are there, and what cannot be told where they are not."""
     meaning = f"whether the log has {name}"
     if there:
-        return Entry(name=name, meaning=meaning, value=True)
-    return Entry(
+        return PreflightEntry(name=name, meaning=meaning, value=True)
+    return PreflightEntry(
         name=name,
         meaning=meaning,
         value=False,

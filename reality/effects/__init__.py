@@ -13,10 +13,10 @@ from collections.abc import Mapping
 from functools import cache
 from types import MappingProxyType
 
-from realitygap.reality.effects.effect import Effect, Parameter
-from realitygap.reality.effects.spec import Hidden, parse
+from realitygap.reality.effects.effect import Effect, Key
+from realitygap.reality.effects.spec import HiddenEffect, parse
 
-__all__ = ["Effect", "Hidden", "Parameter", "catalogue", "parse_effects"]
+__all__ = ["Effect", "HiddenEffect", "Key", "catalogue", "parse_effects"]
 
 _MACHINERY = ("effect", "spec")
 
@@ -36,7 +36,7 @@ def parse_effects(
     specs: list[str] | tuple[str, ...],
     robots: int,
     unlisted: Mapping[str, Effect] = MappingProxyType({}),
-) -> tuple[Hidden, ...]:
+) -> tuple[HiddenEffect, ...]:
     """Read `NAME:key=value[,key=value...]` texts for a swarm of so many robots.
 
     Args:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value, number
 from realitygap.reality.hardware import Hardware
 
 
@@ -16,6 +16,6 @@ EFFECT = Effect(
     name="clock_offset",
     kind="motion",
     physics="the tracker's clock is late: a pose is from this long ago",
-    parameters={"seconds": Parameter(unit="s", low=0.0, high=2.0, null=0.0)},
+    parameters={"seconds": Key(unit="s", low=0.0, high=2.0, null=0.0)},
     apply=_apply,
 )

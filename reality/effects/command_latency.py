@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value, number
 from realitygap.reality.hardware import Hardware
 
 
@@ -16,6 +16,6 @@ EFFECT = Effect(
     name="command_latency",
     kind="motion",
     physics="commands wait in a queue before the motors",
-    parameters={"seconds": Parameter(unit="s", low=0.0, high=2.0, null=0.0)},
+    parameters={"seconds": Key(unit="s", low=0.0, high=2.0, null=0.0)},
     apply=_apply,
 )

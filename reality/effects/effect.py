@@ -18,7 +18,7 @@ Kind = Literal["motion", "infrared", "light", "task"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Parameter:
+class Key:
     """One key of an effect's SPEC. A number in [low, high], or, with `words`, one of them."""
 
     unit: str = "1"
@@ -40,18 +40,18 @@ class Effect:
     """Where it shows first."""
     physics: str
     """What is changed, in a few words."""
-    parameters: Mapping[str, Parameter]
+    parameters: Mapping[str, Key]
     apply: Callable[[Hardware, Robots, Mapping[str, Value]], None]
     """Changes the hardware of the given robots, in place."""
     per_robot: bool = True
     """False for lamps, walls and floors: `robot=` is refused."""
 
 
-WHEEL = Parameter(words=("left", "right", "both"), default="both")
+WHEEL = Key(words=("left", "right", "both"), default="both")
 """Which wheels."""
-SENSOR = Parameter(words=tuple(str(i) for i in range(SENSORS)))
+SENSOR = Key(words=tuple(str(i) for i in range(SENSORS)))
 """Which of the ring's eight sensors."""
-SENSOR_OR_ALL = Parameter(words=(*SENSOR.words, "all"), default="all")
+SENSOR_OR_ALL = Key(words=(*SENSOR.words, "all"), default="all")
 
 
 def number(values: Mapping[str, Value], key: str) -> float:
@@ -59,9 +59,9 @@ def number(values: Mapping[str, Value], key: str) -> float:
     return float(values[key])
 
 
-def scale(low: float, high: float) -> Parameter:
+def scale(low: float, high: float) -> Key:
     """A factor on something nominal."""
-    return Parameter(low=low, high=high, null=1.0)
+    return Key(low=low, high=high, null=1.0)
 
 
 def wheels(values: Mapping[str, Value]) -> slice:

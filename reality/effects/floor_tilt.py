@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from realitygap.reality import constants as k
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value, number
 from realitygap.reality.hardware import Hardware
 
 
@@ -25,8 +25,8 @@ EFFECT = Effect(
     kind="motion",
     physics="gravity is turned against the floor: downhill is the direction given",
     parameters={
-        "slope": Parameter(unit="rad", low=0.0, high=0.35, null=0.0),
-        "direction": Parameter(unit="rad", low=-math.pi, high=math.pi, default=0.0),
+        "slope": Key(unit="rad", low=0.0, high=0.35, null=0.0),
+        "direction": Key(unit="rad", low=-math.pi, high=math.pi, default=0.0),
     },
     apply=_apply,
     per_robot=False,

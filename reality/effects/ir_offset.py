@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value, number
 from realitygap.reality.hardware import Hardware
 
 
@@ -16,6 +16,6 @@ EFFECT = Effect(
     name="ir_offset",
     kind="infrared",
     physics="ambient infrared adds to every reading",
-    parameters={"counts": Parameter(unit="counts", low=-4095.0, high=4095.0, null=0.0)},
+    parameters={"counts": Key(unit="counts", low=-4095.0, high=4095.0, null=0.0)},
     apply=_apply,
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from realitygap.reality import constants as k
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value, number
 from realitygap.reality.hardware import Hardware
 
 
@@ -17,7 +17,7 @@ EFFECT = Effect(
     name="lamp_height",
     kind="light",
     physics="the lamp is moved up or down",
-    parameters={"height": Parameter(unit="m", low=0.0, high=5.0, null=k.LAMP_HEIGHT)},
+    parameters={"height": Key(unit="m", low=0.0, high=5.0, null=k.LAMP_HEIGHT)},
     apply=_apply,
     per_robot=False,
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value, number
 from realitygap.reality.hardware import Hardware
 
 
@@ -16,6 +16,6 @@ EFFECT = Effect(
     name="light_gamma",
     kind="light",
     physics="the answer to light is full scale times (light / full scale)^exponent",
-    parameters={"exponent": Parameter(low=0.2, high=5.0, null=1.0)},
+    parameters={"exponent": Key(low=0.2, high=5.0, null=1.0)},
     apply=_apply,
 )

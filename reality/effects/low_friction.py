@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from realitygap.reality import constants as k
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value, number
 from realitygap.reality.hardware import Hardware
 
 
@@ -17,6 +17,6 @@ EFFECT = Effect(
     name="low_friction",
     kind="motion",
     physics="the wheels have another coefficient of friction",
-    parameters={"friction": Parameter(low=0.0, high=5.0, null=k.WHEEL_FRICTION)},
+    parameters={"friction": Key(low=0.0, high=5.0, null=k.WHEEL_FRICTION)},
     apply=_apply,
 )

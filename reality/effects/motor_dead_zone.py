@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from realitygap.reality.effects.effect import (
     WHEEL,
     Effect,
-    Parameter,
+    Key,
     Robots,
     Value,
     number,
@@ -26,7 +26,7 @@ EFFECT = Effect(
     kind="motion",
     physics="a motor does not turn at commands slower than this",
     parameters={
-        "threshold": Parameter(unit="rad/s", low=0.0, high=100.0, null=0.0),
+        "threshold": Key(unit="rad/s", low=0.0, high=100.0, null=0.0),
         "wheel": WHEEL,
     },
     apply=_apply,

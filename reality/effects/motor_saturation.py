@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from realitygap.reality.effects.effect import (
     WHEEL,
     Effect,
-    Parameter,
+    Key,
     Robots,
     Value,
     number,
@@ -25,6 +25,6 @@ EFFECT = Effect(
     name="motor_saturation",
     kind="motion",
     physics="a motor cannot turn faster than this",
-    parameters={"limit": Parameter(unit="rad/s", low=0.0, high=100.0), "wheel": WHEEL},
+    parameters={"limit": Key(unit="rad/s", low=0.0, high=100.0), "wheel": WHEEL},
     apply=_apply,
 )

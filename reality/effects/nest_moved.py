@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value, number
 from realitygap.reality.hardware import Hardware
 
 
@@ -18,8 +18,8 @@ EFFECT = Effect(
     kind="task",
     physics="the virtual sensor says nest at a displaced place",
     parameters={
-        "x": Parameter(unit="m", low=-2.0, high=2.0, null=0.0, default=0.0),
-        "y": Parameter(unit="m", low=-2.0, high=2.0, null=0.0, default=0.0),
+        "x": Key(unit="m", low=-2.0, high=2.0, null=0.0, default=0.0),
+        "y": Key(unit="m", low=-2.0, high=2.0, null=0.0, default=0.0),
     },
     apply=_apply,
 )

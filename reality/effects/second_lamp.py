@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value, number
 from realitygap.reality.hardware import Hardware, Lamp
 
 
@@ -24,9 +24,9 @@ EFFECT = Effect(
     kind="light",
     physics="a second source at this place, lit in every case, as high as the lamp",
     parameters={
-        "x": Parameter(unit="m", low=-3.0, high=3.0),
-        "y": Parameter(unit="m", low=-3.0, high=3.0),
-        "intensity": Parameter(unit="share of the lamp", low=0.0, high=100.0, null=0.0),
+        "x": Key(unit="m", low=-3.0, high=3.0),
+        "y": Key(unit="m", low=-3.0, high=3.0),
+        "intensity": Key(unit="share of the lamp", low=0.0, high=100.0, null=0.0),
     },
     apply=_apply,
     per_robot=False,

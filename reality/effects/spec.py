@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from realitygap.embedded_sim.errors import InputError, nearest
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value
 from realitygap.reality.hardware import Hardware
 
 
 @dataclass(frozen=True)
-class Hidden:
+class HiddenEffect:
     """An effect with its values, ready to be hidden in a swarm."""
 
     effect: Effect
@@ -36,7 +36,7 @@ class Hidden:
         }
 
 
-def parse(spec: str, effects: Mapping[str, Effect], robots: int) -> Hidden:
+def parse(spec: str, effects: Mapping[str, Effect], robots: int) -> HiddenEffect:
     """Read one SPEC; see `parse_effects`."""
     name, _, rest = spec.partition(":")
     if name not in effects:
@@ -62,7 +62,7 @@ def parse(spec: str, effects: Mapping[str, Effect], robots: int) -> Hidden:
             if parameter.default is None:
                 raise InputError(f"--effect {name}", repr(rest), f"{key}=value ({parameter.unit})")
             values[key] = parameter.default
-    return Hidden(effect, values, tuple(sorted(set(chosen))))
+    return HiddenEffect(effect, values, tuple(sorted(set(chosen))))
 
 
 def spec_of(truth: Mapping[str, Any]) -> str:
@@ -81,7 +81,7 @@ def _robot(effect: Effect, text: str, robots: int) -> int:
     return int(text)
 
 
-def _value(field: str, text: str, parameter: Parameter) -> Value:
+def _value(field: str, text: str, parameter: Key) -> Value:
     if parameter.words:
         if text in parameter.words:
             return text

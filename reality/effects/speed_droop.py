@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value, number
 from realitygap.reality.hardware import Hardware
 
 
@@ -16,6 +16,6 @@ EFFECT = Effect(
     name="speed_droop",
     kind="motion",
     physics="the speed a motor reaches falls linearly with time",
-    parameters={"rate": Parameter(unit="1/s", low=0.0, high=0.1, null=0.0)},
+    parameters={"rate": Key(unit="1/s", low=0.0, high=0.1, null=0.0)},
     apply=_apply,
 )

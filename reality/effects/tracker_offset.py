@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value, number
 from realitygap.reality.hardware import Hardware
 
 
@@ -18,8 +18,8 @@ EFFECT = Effect(
     kind="motion",
     physics="the tracker's markers sit ahead (x) or to the left (y) of the axle's middle",
     parameters={
-        "x": Parameter(unit="m", low=-0.1, high=0.1, null=0.0, default=0.0),
-        "y": Parameter(unit="m", low=-0.1, high=0.1, null=0.0, default=0.0),
+        "x": Key(unit="m", low=-0.1, high=0.1, null=0.0, default=0.0),
+        "y": Key(unit="m", low=-0.1, high=0.1, null=0.0, default=0.0),
     },
     apply=_apply,
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value, number
 from realitygap.reality.hardware import Hardware
 
 
@@ -17,6 +17,6 @@ EFFECT = Effect(
     name="tracker_yaw_offset",
     kind="motion",
     physics="the tracker's markers are turned against the body, counter-clockwise",
-    parameters={"angle": Parameter(unit="rad", low=-math.pi, high=math.pi, null=0.0)},
+    parameters={"angle": Key(unit="rad", low=-math.pi, high=math.pi, null=0.0)},
     apply=_apply,
 )

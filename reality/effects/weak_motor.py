@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from realitygap.reality import constants as k
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value, number
 from realitygap.reality.hardware import Hardware
 
 
@@ -17,6 +17,6 @@ EFFECT = Effect(
     name="weak_motor",
     kind="motion",
     physics="the torque that a motor can give is limited",
-    parameters={"torque": Parameter(unit="N m", low=0.0, high=0.1, null=k.MOTOR_TORQUE)},
+    parameters={"torque": Key(unit="N m", low=0.0, high=0.1, null=k.MOTOR_TORQUE)},
     apply=_apply,
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from realitygap.reality.effects.effect import Effect, Parameter, Robots, Value, number
+from realitygap.reality.effects.effect import Effect, Key, Robots, Value, number
 from realitygap.reality.hardware import Hardware
 
 
@@ -19,6 +19,6 @@ EFFECT = Effect(
     name="wheel_radius_mismatch",
     kind="motion",
     physics="the body has two wheels of different radius, their mean kept",
-    parameters={"ratio": Parameter(unit="right/left", low=0.5, high=2.0, null=1.0)},
+    parameters={"ratio": Key(unit="right/left", low=0.5, high=2.0, null=1.0)},
     apply=_apply,
 )

@@ -14,7 +14,7 @@ from realitygap.studies.blind.directory import BlindDirectory
 from realitygap.studies.blind.scoring import outcome
 from realitygap.studies.blind.summary import ABSTAINED, Result, results
 from realitygap.studies.hidden.menu import MENU
-from realitygap.studies.pages.page import Picture, Section, Table, write_page
+from realitygap.studies.pages.page import PageTable, Picture, Section, write_page
 from realitygap.studies.plumbing.output import whole_file
 
 COLOURS = {"named": "#2a9d8f", "ambiguous": "#f2b134", "no name": "#9aa5b1", "wrong": "#b3261e"}
@@ -26,7 +26,7 @@ def write_report(directory: BlindDirectory, summary: dict[str, Any]) -> None:
     figures.mkdir(exist_ok=True)
     done = results(directory)
     sns.set_theme(style="whitegrid", context="notebook", font_scale=0.85)
-    sections = [Section("Errors", tables=[Table.of(_errors(summary))])]
+    sections = [Section("Errors", tables=[PageTable.of(_errors(summary))])]
     if any(summary["confusion"].values()):
         answered = Section(
             "What was hidden and what was answered",
@@ -54,17 +54,17 @@ def write_report(directory: BlindDirectory, summary: dict[str, Any]) -> None:
                         "Every trial with one effect, by its size in multiples of the bar.",
                     )
                 ],
-                tables=[Table.of(_effects(summary["effects"]))],
+                tables=[PageTable.of(_effects(summary["effects"]))],
             ),
             _unknown("What no catalogue lists", summary["unlisted"]),
             _unknown("Effects taken out of the catalogue", summary["leave_one_out"]),
-            Section("Two effects at once", tables=[Table.of(_pairs(summary["pairs"]))]),
+            Section("Two effects at once", tables=[PageTable.of(_pairs(summary["pairs"]))]),
         ]
     if summary["wrong_names"]["which"]:
         lines = pd.DataFrame(
             {"trial: name given for what was hidden": summary["wrong_names"]["which"]}
         )
-        sections.append(Section("Every wrong name", tables=[Table.of(lines)]))
+        sections.append(Section("Every wrong name", tables=[PageTable.of(lines)]))
     with whole_file(directory.out / "report.html", force=True) as part:
         write_page(part, "The blind battery", _lead(summary), sections)
 
@@ -143,7 +143,7 @@ def _unknown(title: str, found: dict[str, Any]) -> Section:
         f"Only given a wrong name: {_percent(found['wrong_name_alone'])}. "
         f"Said to follow what it follows: {_percent(found['quantity_right'])}."
     )
-    return Section(title, [text], tables=[Table.of(pd.DataFrame(found["answers"]))])
+    return Section(title, [text], tables=[PageTable.of(pd.DataFrame(found["answers"]))])
 
 
 def _pairs(pairs: dict[str, Any]) -> pd.DataFrame:

@@ -16,7 +16,7 @@ MOST = 0.8
 
 
 @dataclass(frozen=True)
-class Named:
+class NamedAnswer:
     """A cause that a diagnosis names."""
 
     name: str
@@ -111,13 +111,13 @@ def of_robots(
     return {"verdict": verdict, "causes": causes, "unexplained": unexplained}
 
 
-def named(diagnosis: Mapping[str, Any], robots: int) -> list[Named]:
+def named(diagnosis: Mapping[str, Any], robots: int) -> list[NamedAnswer]:
     """The causes of a `diagnosis.json`, with their rivals: these decide, whatever the verdict."""
     causes = []
     for cause in diagnosis["causes"]:
         swarm = cause["robots"] == "all"
         causes.append(
-            Named(
+            NamedAnswer(
                 name=str(cause["name"]),
                 robots=frozenset(range(robots) if swarm else cause["robots"]),
                 swarm=swarm,
@@ -138,7 +138,7 @@ def outcome(trial: Trial, result: Score) -> str:
     return "ambiguous" if any(result.among) else result.verdict
 
 
-def _right(one: Hidden, cause: Named, robots: int) -> bool:
+def _right(one: Hidden, cause: NamedAnswer, robots: int) -> bool:
     """Named, unambiguously, for the robots that have it and no others, and relied on."""
     if cause.rivals or not cause.exported or not _is(one, cause) or cause.name != one.name:
         return False
@@ -147,12 +147,12 @@ def _right(one: Hidden, cause: Named, robots: int) -> bool:
     return cause.swarm or len(cause.robots) >= MOST * robots
 
 
-def _among(one: Hidden, cause: Named) -> bool:
+def _among(one: Hidden, cause: NamedAnswer) -> bool:
     """One of the candidates for a robot that has it."""
     return _is(one, cause) and any(_has(one, robot) for robot in cause.robots)
 
 
-def _true(cause: Named, hidden: Sequence[Hidden]) -> bool:
+def _true(cause: NamedAnswer, hidden: Sequence[Hidden]) -> bool:
     """No lie: each of its robots has it, or something of a class that holds it."""
     return bool(cause.robots) and all(
         any(_has(one, robot) and _is(one, cause) for one in hidden) for robot in cause.robots
@@ -163,14 +163,14 @@ def _has(one: Hidden, robot: int) -> bool:
     return not one.robots or robot in one.robots
 
 
-def _is(one: Hidden, cause: Named) -> bool:
+def _is(one: Hidden, cause: NamedAnswer) -> bool:
     """A cause's name, or a rival's, is an effect's; its own with the right wheel or sensor."""
     if cause.name == one.name:
         return _same_words(one, cause)
     return one.name in cause.rivals
 
 
-def _same_words(one: Hidden, cause: Named) -> bool:
+def _same_words(one: Hidden, cause: NamedAnswer) -> bool:
     """Which wheel or sensor, where the diagnosis says so."""
     return all(
         str(cause.parameters[key]["value"]) == value
@@ -179,7 +179,7 @@ def _same_words(one: Hidden, cause: Named) -> bool:
     )
 
 
-def _inside(one: Hidden, cause: Named) -> Sequence[bool]:
+def _inside(one: Hidden, cause: NamedAnswer) -> Sequence[bool]:
     """Whether the intervals of the numbers hold what was hidden."""
     told = as_told(one.name, one.values)
     numbers = {key: value for key, value in told.items() if isinstance(value, float)}

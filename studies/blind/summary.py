@@ -10,12 +10,10 @@ from typing import Any
 import numpy as np
 
 from realitygap.studies.blind.directory import BlindDirectory
-from realitygap.studies.blind.left_out import FOLLOWS as LEFT_OUT_FOLLOWS
 from realitygap.studies.blind.left_out import quantity_right, unknowns
 from realitygap.studies.blind.limits import LENGTH, detection_limit, share
 from realitygap.studies.blind.scoring import CANNOT_TELL, Score, of_robots, outcome, score
-from realitygap.studies.blind.trials import Trial
-from realitygap.studies.blind.unlisted import FOLLOWS
+from realitygap.studies.blind.trials import ENTRIES, Trial
 from realitygap.studies.hidden.menu import MENU
 from realitygap.studies.plumbing.provenance import versions
 
@@ -64,8 +62,7 @@ def _result(trial: Trial, answer: dict[str, Any], said: dict[str, Any] | None) -
 
 def _follows(trial: Trial) -> frozenset[str]:
     """Measured quantities that tell a trial's effect."""
-    name = trial.hidden[0].name
-    return frozenset(FOLLOWS[name].split()) if name in FOLLOWS else LEFT_OUT_FOLLOWS[name]
+    return frozenset(ENTRIES[trial.hidden[0].name].follows.split())
 
 
 def _parts(trial: Trial, answer: dict[str, Any]) -> list[tuple[Trial, dict[str, Any] | None]]:
@@ -121,7 +118,7 @@ def summarise(directory: BlindDirectory) -> dict[str, Any]:
         "unlisted": {
             **unknowns([(r.score, r.quantity_right) for r in strange]),
             "answers": [
-                {"hidden": _told(r), "follows": FOLLOWS[_names(r)[0]], "answer": _said(r)}
+                {"hidden": _told(r), "follows": ENTRIES[_names(r)[0]].follows, "answer": _said(r)}
                 for r in strange
             ],
         },

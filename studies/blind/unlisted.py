@@ -1,7 +1,7 @@
 """What can be wrong though no catalogue lists it: the diagnosis must say that it is at a loss.
 
-They are physical, each follows a quantity that a log holds, and `FOLLOWS` says which. They are
-known to the battery alone: `realitygap run` does not take them.
+They are physical, each follows a quantity that a log holds, and the battery's menu says which.
+They are known to the battery alone: `realitygap run` does not take them.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from realitygap.reality import constants as k
-from realitygap.reality.effects import Effect, Parameter
+from realitygap.reality.effects import Effect, Key
 from realitygap.reality.effects.effect import WHEEL, Robots, Value, number, wheels
 from realitygap.reality.hardware import FloatArray, Hardware
 from realitygap.reality.laws import WheelLaw
 
 Apply = Callable[[Hardware, Robots, Mapping[str, Value]], None]
 
-SHARE = Parameter(low=0.0, high=0.9, null=0.0)
+SHARE = Key(low=0.0, high=0.9, null=0.0)
 REACH = 0.05
 """m over which `shy_robots` feel one another; our choice."""
 
@@ -150,8 +150,8 @@ UNLISTED: Mapping[str, Effect] = {
             kind="infrared",
             physics="sensors that look one way read infrared from outside",
             parameters={
-                "counts": Parameter(unit="counts", low=0.0, high=4095.0, null=0.0),
-                "direction": Parameter(unit="rad", low=-math.pi, high=math.pi),
+                "counts": Key(unit="counts", low=0.0, high=4095.0, null=0.0),
+                "direction": Key(unit="rad", low=-math.pi, high=math.pi),
             },
             apply=_sun,
             per_robot=False,
@@ -162,7 +162,7 @@ UNLISTED: Mapping[str, Effect] = {
             physics="the lamp's power swings with time",
             parameters={
                 "share": SHARE,
-                "period": Parameter(unit="s", low=0.1, high=1000.0),
+                "period": Key(unit="s", low=0.1, high=1000.0),
             },
             apply=_flicker,
             per_robot=False,
@@ -170,14 +170,3 @@ UNLISTED: Mapping[str, Effect] = {
     )
 }
 """By name."""
-
-FOLLOWS: Mapping[str, str] = {
-    "eccentric_wheel": "left_wheel_angle right_wheel_angle",
-    "carpet": "place",
-    "shy_robots": "neighbour",
-    "speed_loss": "speed speed_squared wheel_speed",
-    "lens": "place radius radial",
-    "low_sun": "heading",
-    "flicker": "time",
-}
-"""The measured quantities that tell it, any of them, as `quantity` in `diagnosis.json`."""

@@ -10,7 +10,7 @@ from realitygap.studies.demo.picture import draw_story, value_text
 from realitygap.studies.demo.story import Story, gap_line
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
 from realitygap.studies.gain.words import LABELS, number, percent
-from realitygap.studies.pages.page import Picture, Section, Table, write_page
+from realitygap.studies.pages.page import PageTable, Picture, Section, write_page
 from realitygap.studies.plumbing.rooms import scratch
 from realitygap.studies.run.picture import draw_run
 
@@ -99,7 +99,7 @@ def _named(story: Story) -> Section:
     )
     failed = [f"It gave no answer: {story.failure}."] if story.diagnosis is None else []
     found = [f"{story.verdict.capitalize()}."]
-    tables = [Table.of(pd.DataFrame(rows))] if rows else []
+    tables = [PageTable.of(pd.DataFrame(rows))] if rows else []
     return Section("What was named", [told, *failed, *found], tables=tables)
 
 
@@ -123,7 +123,7 @@ def _predictions(story: Story) -> Section:
         "Mean absolute errors with 95 % intervals, in fresh runs with other seeds and controllers. "
         "The level of healthy robots is what can be reached."
     )
-    tables = [Table.of(pd.DataFrame(rows))] if rows else []
+    tables = [PageTable.of(pd.DataFrame(rows))] if rows else []
     return Section("Prediction before and after", [told], tables=tables)
 
 

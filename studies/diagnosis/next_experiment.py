@@ -13,7 +13,7 @@ from realitygap.embedded_sim.probes import PREFIX
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.naming.proposal.menu import SECONDS, Proposal
 from realitygap.studies.diagnosis.request import Request
-from realitygap.studies.pages.page import Picture, Section, Table
+from realitygap.studies.pages.page import PageTable, Picture, Section
 from realitygap.studies.plumbing.typed import typed
 
 MENU = (
@@ -71,7 +71,7 @@ def next_section(
             "What to do next",
             texts,
             figures=[Picture(room / "menu.png", MENU)],
-            tables=[Table.of(table)],
+            tables=[PageTable.of(table)],
         )
     ]
 

@@ -26,7 +26,7 @@ from realitygap.studies.diagnosis.words import (
     verdict_sentence,
     who,
 )
-from realitygap.studies.pages.page import Picture, Section, Table, write_page
+from realitygap.studies.pages.page import PageTable, Picture, Section, write_page
 from realitygap.studies.plumbing.rooms import scratch
 
 CHECKED = (
@@ -116,7 +116,7 @@ def _found(examined: Examination) -> Section:
         }
         for one in found.named
     ]
-    tables = [Table.of(pd.DataFrame(rows))] if rows else []
+    tables = [PageTable.of(pd.DataFrame(rows))] if rows else []
     return Section("What was found", [CHECKED, *texts], tables=tables)
 
 
@@ -126,7 +126,7 @@ def _gain(examined: Examination) -> Section:
     exported = any(one.exported for one in found.named)
     nothing = [] if exported else ["Nothing was added to the model, so that nothing is gained."]
     rows = [gain_row(name, gain) for name, gain in found.gain.items()]
-    tables = [Table.of(pd.DataFrame(rows))] if rows else []
+    tables = [PageTable.of(pd.DataFrame(rows))] if rows else []
     return Section("What the extended model gains", [GAIN, *nothing], tables=tables)
 
 
@@ -136,7 +136,7 @@ def _can_tell(examined: Examination) -> Section:
         {"what": one.meaning, "value": entry_text(one), "what follows": follows_text(one)}
         for one in examined.diagnosis.preflight
     ]
-    return Section("What this log can tell", [CAN_TELL], tables=[Table.of(pd.DataFrame(rows))])
+    return Section("What this log can tell", [CAN_TELL], tables=[PageTable.of(pd.DataFrame(rows))])
 
 
 def _would_have_shown(examined: Examination) -> Section:
@@ -153,7 +153,7 @@ def _would_have_shown(examined: Examination) -> Section:
         }
         for one in found.used
     ]
-    tables = [Table.of(pd.DataFrame(rows))] if rows else []
+    tables = [PageTable.of(pd.DataFrame(rows))] if rows else []
     return Section("What would have shown", [SHOWN, *told], tables=tables)
 
 
@@ -202,7 +202,7 @@ def _robots(examined: Examination) -> Section:
                 **errors.get(robot, {}),
             }
         )
-    return Section("Robot by robot", tables=[Table.of(pd.DataFrame(rows))])
+    return Section("Robot by robot", tables=[PageTable.of(pd.DataFrame(rows))])
 
 
 def _errors(table: pd.DataFrame) -> dict[int, dict[str, float]]:

@@ -9,12 +9,12 @@ from typing import Any
 
 import pandas as pd
 
-from realitygap.models.log.preflight.entry import Entry
+from realitygap.models.log.preflight.entry import PreflightEntry
 from realitygap.models.naming.channels.senses.joined import WholeExamination
 from realitygap.models.naming.diagnosis import Verdict
 from realitygap.studies.diagnosis.words import verdict_sentence
 from realitygap.studies.inputs.model import Model
-from realitygap.studies.pages.notebook import Told, rows_table
+from realitygap.studies.pages.notebook import Telling, rows_table
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.provenance import write_json
 
@@ -22,7 +22,7 @@ FILE = "diagnosis.json"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DiagnosisResult(Told):
+class DiagnosisResult(Telling):
     """What is wrong with the robots of a log, and the model that knows of it."""
 
     content: Mapping[str, Any]
@@ -104,7 +104,7 @@ class DiagnosisResult(Told):
         Columns `name`, `meaning`, `value` (None: not told), `unit`, `low`, `high` (95 %),
         `follows` (`nothing`, `modelled`, `repaired`, `silences`), `why`, `causes` concerned.
         """
-        columns = [one.name for one in fields(Entry)]
+        columns = [one.name for one in fields(PreflightEntry)]
         return rows_table(self.content["log"]["preflight"], columns, ("low", "high"))
 
     def write(self, out: Path | str, *, force: bool = False) -> None:
@@ -134,7 +134,7 @@ class DiagnosisResult(Told):
         )
 
     def told(self) -> tuple[str, str, str]:
-        """As `Told`."""
+        """As `Telling`."""
         return f"Diagnosis: {self.verdict}", self.sentence, ".causes .detectable .gain .extended"
 
 

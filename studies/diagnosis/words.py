@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from realitygap.models.belief.catalogue import causes, every_cause
 from realitygap.models.log.named import Names
-from realitygap.models.log.preflight.entry import Entry
+from realitygap.models.log.preflight.entry import PreflightEntry
 from realitygap.models.naming.channels.motion.detectable import core
 from realitygap.models.naming.diagnosis import (
     Detectable,
@@ -129,7 +129,7 @@ def value_text(value: Value) -> str:
     return f"{value.name} {value.value:.4g} ({value.low:.4g} to {value.high:.4g}){unit}"
 
 
-def entry_text(one: Entry) -> str:
+def entry_text(one: PreflightEntry) -> str:
     """A value of the pre-flight with its unit and interval."""
     if one.value is None:
         return "not told"
@@ -141,7 +141,7 @@ def entry_text(one: Entry) -> str:
     return f"{one.value:.4g}{interval}" + ("" if one.unit == "1" else f" {one.unit}")
 
 
-def follows_text(one: Entry) -> str:
+def follows_text(one: PreflightEntry) -> str:
     """What follows from it."""
     said = ": ".join(part for part in (one.follows, one.why) if part)
     return said + (f" ({', '.join(one.causes)})" if one.causes else "")

@@ -18,7 +18,7 @@ from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.log.named import numbered
 from realitygap.models.log.opened import json_values, parsing
 from realitygap.models.log.schema import coerce
-from realitygap.reality.effects import Hidden, parse_effects
+from realitygap.reality.effects import HiddenEffect, parse_effects
 from realitygap.studies.gain.compared import Compared
 from realitygap.studies.gain.request import GainRequest
 from realitygap.studies.gain.runs import HEALTHY, Given, HeldOut, Recorded, plan
@@ -117,7 +117,7 @@ def _robots(logs: Sequence[Source]) -> int:
     return max((int(coerce(t)["robot"].max()) + 1 for t in known), default=ROBOTS)
 
 
-def _check_truth(naming: Sequence[Source], hidden: Sequence[Hidden]) -> None:
+def _check_truth(naming: Sequence[Source], hidden: Sequence[HiddenEffect]) -> None:
     """Refuse effects other than those of the run that the extension was named from."""
     for one in naming:
         truth = _hidden_in(one)
@@ -126,12 +126,12 @@ def _check_truth(naming: Sequence[Source], hidden: Sequence[Hidden]) -> None:
             raise InputError("--effect", told(hidden), expected)
 
 
-def _hidden_in(log: Source) -> tuple[Hidden, ...] | None:
+def _hidden_in(log: Source) -> tuple[HiddenEffect, ...] | None:
     """What was hidden in a log, where somebody knows."""
     return None if log.path is None else hidden_in(log.path)
 
 
-def _judged(models: Compared, hidden: Sequence[Hidden]) -> frozenset[int] | None:
+def _judged(models: Compared, hidden: Sequence[HiddenEffect]) -> frozenset[int] | None:
     """Robots named or truly altered; None: all."""
     true, named = concerned(hidden), models.robots
     if true is None or named is None or not (true | named):

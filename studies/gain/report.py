@@ -15,7 +15,7 @@ from realitygap.models.gap.replay import HORIZONS
 from realitygap.studies.gain.food import food_lines, food_table
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
 from realitygap.studies.gain.words import LABELS, SHOWN, number, percent
-from realitygap.studies.pages.page import Picture, Section, Table, write_page
+from realitygap.studies.pages.page import PageTable, Picture, Section, write_page
 from realitygap.studies.plumbing.rooms import scratch
 
 DPI = 100
@@ -75,7 +75,7 @@ def _numbers(content: Mapping[str, Any]) -> Section:
         "Mean absolute errors with 95 % intervals over runs. The share of the gap closed is stated "
         "only where the minimal model's error is surely larger than it is for healthy robots."
     )
-    return Section("Every channel", [text], tables=[Table.of(pd.DataFrame(rows))])
+    return Section("Every channel", [text], tables=[PageTable.of(pd.DataFrame(rows))])
 
 
 def _food(content: Mapping[str, Any]) -> list[Section]:
@@ -84,7 +84,7 @@ def _food(content: Mapping[str, Any]) -> list[Section]:
         return []
     table, lines = food_table(content["transfer"]), food_lines(content["transfer"])
     reasons = [f"{one['label']}: {one['reason']}" for one in content["transfer"]["alterations"]]
-    return [Section("What it is worth in food", [*lines, *reasons], tables=[Table.of(table)])]
+    return [Section("What it is worth in food", [*lines, *reasons], tables=[PageTable.of(table)])]
 
 
 def _runs(content: Mapping[str, Any]) -> Section:
@@ -94,7 +94,7 @@ def _runs(content: Mapping[str, Any]) -> Section:
     return Section(
         "The held-out runs",
         [f"Nothing was named from them; judged: {who}."],
-        tables=[Table.of(pd.DataFrame(held["runs"]))],
+        tables=[PageTable.of(pd.DataFrame(held["runs"]))],
     )
 
 
@@ -117,7 +117,7 @@ def _named(content: Mapping[str, Any]) -> Section:
         f"From the log with SHA-256 {extended['log'] or 'unknown'}.",
         f"Measured by: {content['command']}.",
     ]
-    tables = [Table.of(pd.DataFrame(rows))] if rows else []
+    tables = [PageTable.of(pd.DataFrame(rows))] if rows else []
     return Section("The extension", texts, tables=tables)
 
 

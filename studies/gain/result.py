@@ -11,7 +11,7 @@ import pandas as pd
 
 from realitygap.models.log.measured import write_table
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
-from realitygap.studies.pages.notebook import Told
+from realitygap.studies.pages.notebook import Telling
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.provenance import write_json
 
@@ -20,7 +20,7 @@ ESTIMATES = (BEFORE, HEALTHY, EXTENDED, ORACLE, "reducible", "remains", "over_he
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GainResult(Told):
+class GainResult(Telling):
     """How much better an extended model predicts runs that nothing was named from."""
 
     content: Mapping[str, Any]
@@ -81,5 +81,5 @@ class GainResult(Told):
         write_report(self.content, folder / "report.html")
 
     def told(self) -> tuple[str, str, str]:
-        """As `Told`."""
+        """As `Telling`."""
         return "Gain", "\n".join(self.summary), ".errors .by_run .table"

@@ -13,7 +13,7 @@ from realitygap.embedded_sim.errors import InputError
 from realitygap.models.belief.catalogue import every_cause
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.log.opened import json_values, parsing
-from realitygap.reality.effects import Hidden, catalogue
+from realitygap.reality.effects import HiddenEffect, catalogue
 from realitygap.reality.effects.spec import parse, spec_of
 from realitygap.studies.hidden.oracle import oracle
 
@@ -23,7 +23,7 @@ ANY = 10**9
 """More robots than a run can have: which of them there are is not in the file."""
 
 
-def hidden_in(run: Path) -> tuple[Hidden, ...] | None:
+def hidden_in(run: Path) -> tuple[HiddenEffect, ...] | None:
     """What a run's `truth.json` says; None where there is none, as in a lab, or where it tells of
     something that no catalogue lists.
 
@@ -44,19 +44,19 @@ def hidden_in(run: Path) -> tuple[Hidden, ...] | None:
             raise InputError(str(path), error, EXPECTED) from None
 
 
-def told(hidden: Sequence[Hidden]) -> str:
+def told(hidden: Sequence[HiddenEffect]) -> str:
     """What is hidden as one line, the same for the same."""
     return json.dumps([one.truth() for one in hidden], sort_keys=True)
 
 
-def concerned(hidden: Sequence[Hidden]) -> set[int] | None:
+def concerned(hidden: Sequence[HiddenEffect]) -> set[int] | None:
     """Robots that something was hidden in; None: all of them."""
     if any(not one.robots for one in hidden):
         return None
     return {robot for one in hidden for robot in one.robots}
 
 
-def true_model(plain: ModelFile, hidden: Sequence[Hidden]) -> ModelFile | None:
+def true_model(plain: ModelFile, hidden: Sequence[HiddenEffect]) -> ModelFile | None:
     """The model with the true parameters; None where the point model has no term for an effect, or
     none of that size."""
     causes = [every_cause().get(one.effect.name) for one in hidden]

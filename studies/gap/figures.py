@@ -10,7 +10,7 @@ import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from realitygap.models.gap.flips import Map
+from realitygap.models.gap.flips import Means
 from realitygap.models.gap.horizons import COLUMNS
 from realitygap.models.gap.motion_gap import UNITS, MotionGap
 from realitygap.models.gap.whole import LEVEL, Gap
@@ -135,7 +135,7 @@ def _maps(gap: MotionGap) -> Figure:
     return figure
 
 
-def _map(axis: Axes, found: Map, *, labelled: bool) -> None:
+def _map(axis: Axes, found: Means, *, labelled: bool) -> None:
     """One map: points with two standard errors."""
     shown = found.number > 0
     at = np.arange(len(found.labels))[shown]

@@ -19,7 +19,7 @@ from realitygap.studies.gap.report import SCHEMA, Tidy, describe, tidy_tables
 from realitygap.studies.gap.words import fitness_line
 from realitygap.studies.inputs.logs import AnyLog, Log, as_log
 from realitygap.studies.inputs.model import AnyModel, Model
-from realitygap.studies.pages.notebook import Told
+from realitygap.studies.pages.notebook import Telling
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.progress import unseen
 from realitygap.studies.plumbing.provenance import file_read, versions, write_json
@@ -28,7 +28,7 @@ FILE = "gap.json"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GapResult(Told):
+class GapResult(Telling):
     """What a simulation gets wrong about a log."""
 
     content: Mapping[str, Any]
@@ -100,7 +100,7 @@ class GapResult(Told):
         write_json(folder / FILE, dict(self.content))
 
     def told(self) -> tuple[str, str, str]:
-        """As `Told`."""
+        """As `Telling`."""
         look = ".horizons .channels .tables" if "horizons" in self.tidy else ".tables"
         return "Gap", "\n".join(self.summary), look
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from realitygap.models.gap.flips import Map
+from realitygap.models.gap.flips import Means
 from realitygap.models.gap.horizons import COLUMNS
 from realitygap.models.gap.motion_gap import UNITS
 from realitygap.models.gap.shares import Share, explained
@@ -71,7 +71,7 @@ def _horizons(gap: Gap) -> list[dict[str, Any]]:
 
 def _channels(gap: Gap) -> list[dict[str, Any]]:
     """Every channel: how large its error is, its shares, and what it depends on most."""
-    maps: dict[tuple[str, str, str], list[Map]] = {}
+    maps: dict[tuple[str, str, str], list[Means]] = {}
     for kind, horizon, found in gap.maps():
         maps.setdefault((kind, horizon, found.channel), []).append(found)
     larger = {(g.horizon, c): found for g in gap.motion for c, found in g.excess.items()}
@@ -100,7 +100,7 @@ def _channels(gap: Gap) -> list[dict[str, Any]]:
     return rows
 
 
-def _condition(found: Map, share: Share) -> dict[str, Any]:
+def _condition(found: Means, share: Share) -> dict[str, Any]:
     """One map in short: its groups' means."""
     groups = zip(found.labels, found.number, found.mean, found.rms, found.z, strict=True)
     return {

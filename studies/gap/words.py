@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from realitygap.models.gap.flips import Map
+from realitygap.models.gap.flips import Means
 from realitygap.models.gap.shares import Share, explained, telling
 from realitygap.models.gap.whole import LEVEL, TOTAL_LEVEL, Gap
 from realitygap.models.log.measured import MeasuredLog
@@ -128,12 +128,12 @@ def _robot_lines(gap: Gap) -> list[tuple[float, str]]:
     return [(weight, line[0].upper() + line[1:]) for weight, line in lines]
 
 
-def ranked_maps(maps: list[Map], rms: float) -> list[Map]:
+def ranked_maps(maps: list[Means], rms: float) -> list[Means]:
     """Maps by what they explain of their channel's error, the most telling first."""
     return sorted(maps, key=lambda m: (-explained(m, rms), -float(np.abs(m.z).max(initial=0.0))))
 
 
-def _strongest(gap: Gap, kind: str, channels: tuple[str, ...]) -> tuple[str, Map, Share] | None:
+def _strongest(gap: Gap, kind: str, channels: tuple[str, ...]) -> tuple[str, Means, Share] | None:
     """The flagged map of some channels that explains most, with its horizon and share."""
     shares = {(k, h, c): share for k, h, c, share in gap.shares()}
     found = [
@@ -168,7 +168,7 @@ def _largest(gap: Gap, channels: tuple[str, ...], unit: str) -> str | None:
     return told
 
 
-def _depends(found: Map, share: Share, unit: str) -> str:
+def _depends(found: Means, share: Share, unit: str) -> str:
     """What a map says."""
     at = telling(found)
     what = WORDS.get(found.condition, found.condition)

@@ -14,7 +14,7 @@ import pandas as pd
 from realitygap.embedded_sim.probes import PREFIX
 from realitygap.models.belief.catalogue import every_cause
 from realitygap.models.belief.senses import SenseCause
-from realitygap.reality.effects import Effect, Parameter, catalogue
+from realitygap.reality.effects import Effect, Key, catalogue
 from realitygap.studies.hidden.menu import MENU
 from realitygap.studies.plumbing.output import whole_file
 
@@ -58,7 +58,7 @@ known, `studies/hidden/shares.py` turns what was hidden into these shares.
 
 
 @dataclass(frozen=True)
-class Entry:
+class CatalogueEntry:
     """One effect with both its sides."""
 
     effect: Effect
@@ -71,21 +71,21 @@ class Entry:
     """Manoeuvre that shows it best."""
 
 
-def entries(kind: str) -> Iterator[Entry]:
-    """The effects of a kind, in the order of the battery's menu."""
-    order = list(MENU)
+def entries(kind: str) -> Iterator[CatalogueEntry]:
+    """The effects of a kind, in the order of the battery's menu, others last."""
+    order = [*MENU, *(name for name in catalogue() if name not in MENU)]
     effects = [effect for effect in catalogue().values() if effect.kind == kind]
     for effect in sorted(effects, key=lambda e: order.index(e.name)):
         keys = tuple(key_text(name, p) for name, p in effect.parameters.items())
         known = every_cause().get(effect.name)
         if known is None:
-            yield Entry(effect, keys, "", (), "")
+            yield CatalogueEntry(effect, keys, "", (), "")
         else:
             seen = f"`{PREFIX}{known.experiment}`" if known.experiment else ""
-            yield Entry(effect, keys, known.meaning, known.confusable_with, seen)
+            yield CatalogueEntry(effect, keys, known.meaning, known.confusable_with, seen)
 
 
-def key_text(name: str, parameter: Parameter) -> str:
+def key_text(name: str, parameter: Key) -> str:
     """A key as a reader of `--effect` needs it."""
     if parameter.words:
         text = f"{name}: {' | '.join(parameter.words)}"

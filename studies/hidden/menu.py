@@ -32,6 +32,9 @@ class Entry:
     """Size; 0: the effect has no size, as a dead sensor."""
     values: Values
     """(size, random) -> keys of the SPEC."""
+    follows: str
+    """Measured quantities that it follows without a name, by its physics, any of which is right: as
+    `quantity` in `diagnosis.json`. Written down before any of it was tried."""
     swarm_bar: float = 0.0
     """Size that must be named when the whole swarm has it; 0: the swarm never has it in a trial."""
     largest: float = math.inf
@@ -107,54 +110,122 @@ DEGREE = math.radians(1.0)
 SHARE = "share"
 
 MENU: Mapping[str, Entry] = {
-    # motion
+    # motion: a constant fault of geometry grows with how fast the robot drives or turns
     "wheel_radius_mismatch": Entry(
-        unit=SHARE, bar=0.01, swarm_bar=0.0025, values=_around("ratio", 1.0)
+        unit=SHARE, follows="always speed", bar=0.01, swarm_bar=0.0025, values=_around("ratio", 1.0)
     ),
     "wheel_radius_scale": Entry(
-        unit=SHARE, bar=0.01, swarm_bar=0.0025, values=_around("scale", 1.0)
+        unit=SHARE, follows="always speed", bar=0.01, swarm_bar=0.0025, values=_around("scale", 1.0)
     ),
-    "wheel_separation": Entry(unit=SHARE, bar=0.01, swarm_bar=0.005, values=_around("scale", 1.0)),
-    "command_latency": Entry(unit="s", bar=0.040, swarm_bar=0.008, values=_plain("seconds")),
-    "motor_lag": Entry(unit="s", bar=0.025, values=_plain("time_constant")),
+    "wheel_separation": Entry(
+        unit=SHARE,
+        follows="always turning",
+        bar=0.01,
+        swarm_bar=0.005,
+        values=_around("scale", 1.0),
+    ),
+    "command_latency": Entry(
+        unit="s", follows="change", bar=0.040, swarm_bar=0.008, values=_plain("seconds")
+    ),
+    "motor_lag": Entry(unit="s", follows="change", bar=0.025, values=_plain("time_constant")),
     "weak_motor": Entry(
-        unit="nominal over torque, less 1", bar=1.0, values=_less("torque", k.MOTOR_TORQUE)
+        unit="nominal over torque, less 1",
+        follows="change",
+        bar=1.0,
+        values=_less("torque", k.MOTOR_TORQUE),
     ),
     "low_friction": Entry(
-        unit="nominal over friction, less 1", bar=5.0, values=_less("friction", k.WHEEL_FRICTION)
+        unit="nominal over friction, less 1",
+        follows="change",
+        bar=5.0,
+        values=_less("friction", k.WHEEL_FRICTION),
     ),
-    "motor_saturation": Entry(unit="share of full speed", bar=0.1, largest=0.9, values=_limit),
-    "motor_dead_zone": Entry(unit="share of full speed", bar=0.1, values=_threshold),
-    "speed_droop": Entry(unit="share in 120 s", bar=0.02, values=_plain("rate", DECAY_SECONDS)),
-    "tracker_yaw_offset": Entry(unit="rad", bar=DEGREE, values=_signed("angle")),
-    "tracker_offset": Entry(unit="m", bar=0.001, values=_displaced),
-    "clock_offset": Entry(unit="s", bar=0.016, values=_plain("seconds")),
-    "floor_tilt": Entry(unit="rad", bar=2.0 * DEGREE, largest=0.35, values=_tilt),
-    # infrared
-    "ir_gain": Entry(unit=SHARE, bar=0.1, largest=0.9, values=_gain),
-    "wall_albedo": Entry(unit=SHARE, bar=0.1, largest=0.9, values=_around("scale", 1.0)),
-    "ir_dead_sensor": Entry(unit="", bar=0.0, values=_one_sensor),
-    "ir_rotation": Entry(unit="rad", bar=2.0 * DEGREE, values=_signed("angle")),
-    "ir_offset": Entry(unit="counts", bar=5.0, values=_plain("counts")),
-    "ir_noise": Entry(unit=SHARE, bar=0.5, values=lambda size, random: {"scale": 1.0 + size}),
-    # light
-    "lamp_intensity": Entry(unit=SHARE, bar=0.03, lit=True, values=_around("scale", 1.0)),
-    "lamp_height": Entry(unit=SHARE, bar=0.02, lit=True, values=_around("height", k.LAMP_HEIGHT)),
+    "motor_saturation": Entry(
+        unit="share of full speed",
+        follows="speed speed_squared turning",
+        bar=0.1,
+        largest=0.9,
+        values=_limit,
+    ),
+    "motor_dead_zone": Entry(
+        unit="share of full speed", follows="speed turning", bar=0.1, values=_threshold
+    ),
+    "speed_droop": Entry(
+        unit="share in 120 s", follows="time", bar=0.02, values=_plain("rate", DECAY_SECONDS)
+    ),
+    "tracker_yaw_offset": Entry(
+        unit="rad", follows="always speed", bar=DEGREE, values=_signed("angle")
+    ),
+    "tracker_offset": Entry(unit="m", follows="turning", bar=0.001, values=_displaced),
+    "clock_offset": Entry(unit="s", follows="change", bar=0.016, values=_plain("seconds")),
+    "floor_tilt": Entry(
+        unit="rad", follows="heading", bar=2.0 * DEGREE, largest=0.35, values=_tilt
+    ),
+    # infrared: all readings of a sensor, or of what it looks at
+    "ir_gain": Entry(unit=SHARE, follows="always level sensor", bar=0.1, largest=0.9, values=_gain),
+    "wall_albedo": Entry(
+        unit=SHARE, follows="always level", bar=0.1, largest=0.9, values=_around("scale", 1.0)
+    ),
+    "ir_dead_sensor": Entry(unit="", follows="sensor", bar=0.0, values=_one_sensor),
+    "ir_rotation": Entry(unit="rad", follows="bearing", bar=2.0 * DEGREE, values=_signed("angle")),
+    "ir_offset": Entry(unit="counts", follows="always", bar=5.0, values=_plain("counts")),
+    "ir_noise": Entry(
+        unit=SHARE, follows="noise", bar=0.5, values=lambda size, random: {"scale": 1.0 + size}
+    ),
+    # light: what falls with distance is also smaller where little is read
+    "lamp_intensity": Entry(
+        unit=SHARE, follows="always level", bar=0.03, lit=True, values=_around("scale", 1.0)
+    ),
+    "lamp_height": Entry(
+        unit=SHARE,
+        follows="distance level",
+        bar=0.02,
+        lit=True,
+        values=_around("height", k.LAMP_HEIGHT),
+    ),
     "light_falloff": Entry(
-        unit=SHARE, bar=0.02, lit=True, values=_around("exponent", k.LIGHT_EXPONENT)
+        unit=SHARE,
+        follows="distance level",
+        bar=0.02,
+        lit=True,
+        values=_around("exponent", k.LIGHT_EXPONENT),
     ),
-    "lamp_moved": Entry(unit="m", bar=0.010, lit=True, values=_displaced),
-    "ambient_light": Entry(unit="share of the reading at 0.5 m", bar=0.01, values=_plain("level")),
-    "second_lamp": Entry(unit="share of the lamp", bar=0.05, values=_window),
+    "lamp_moved": Entry(
+        unit="m", follows="bearing place point", bar=0.010, lit=True, values=_displaced
+    ),
+    "ambient_light": Entry(
+        unit="share of the reading at 0.5 m",
+        follows="always level",
+        bar=0.01,
+        values=_plain("level"),
+    ),
+    "second_lamp": Entry(
+        unit="share of the lamp", follows="heading place point", bar=0.05, values=_window
+    ),
     "lamp_decay": Entry(
-        unit="share in 120 s", bar=0.05, lit=True, values=_plain("rate", DECAY_SECONDS)
+        unit="share in 120 s",
+        follows="time",
+        bar=0.05,
+        lit=True,
+        values=_plain("rate", DECAY_SECONDS),
     ),
-    "light_gamma": Entry(unit=SHARE, bar=0.05, lit=True, values=_around("exponent", 1.0)),
-    "ls_dead_sensor": Entry(unit="", bar=0.0, values=_one_sensor),
+    "light_gamma": Entry(
+        unit=SHARE,
+        follows="always level distance",
+        bar=0.05,
+        lit=True,
+        values=_around("exponent", 1.0),
+    ),
+    "ls_dead_sensor": Entry(unit="", follows="sensor", bar=0.0, values=_one_sensor),
     # task
-    "nest_moved": Entry(unit="m", bar=0.010, swarm_bar=0.010, values=_displaced),
+    "nest_moved": Entry(unit="m", follows="bearing", bar=0.010, swarm_bar=0.010, values=_displaced),
     "nest_radius": Entry(
-        unit=SHARE, bar=0.03, swarm_bar=0.03, largest=0.9, values=_around("scale", 1.0)
+        unit=SHARE,
+        follows="distance",
+        bar=0.03,
+        swarm_bar=0.03,
+        largest=0.9,
+        values=_around("scale", 1.0),
     ),
 }
 """By name of the effect."""
@@ -170,13 +241,23 @@ def _sunlight(size: float, random: np.random.Generator) -> Mapping[str, Value]:
 
 STRANGE: Mapping[str, Entry] = {
     "eccentric_wheel": Entry(
-        unit=SHARE, bar=0.05, values=lambda size, random: {"share": size, "wheel": _wheel(random)}
+        unit=SHARE,
+        follows="left_wheel_angle right_wheel_angle",
+        bar=0.05,
+        values=lambda size, random: {"share": size, "wheel": _wheel(random)},
     ),
-    "carpet": Entry(unit=SHARE, bar=0.02, values=_plain("share")),
-    "shy_robots": Entry(unit=SHARE, bar=0.05, values=_plain("share")),
-    "speed_loss": Entry(unit="share at full speed", bar=0.02, values=_plain("share")),
-    "lens": Entry(unit="share at the wall", bar=0.01, values=_plain("share")),
-    "low_sun": Entry(unit="counts", bar=20.0, values=_sunlight),
-    "flicker": Entry(unit=SHARE, bar=0.1, lit=True, values=_swing),
+    "carpet": Entry(unit=SHARE, follows="place", bar=0.02, values=_plain("share")),
+    "shy_robots": Entry(unit=SHARE, follows="neighbour", bar=0.05, values=_plain("share")),
+    "speed_loss": Entry(
+        unit="share at full speed",
+        follows="speed speed_squared wheel_speed",
+        bar=0.02,
+        values=_plain("share"),
+    ),
+    "lens": Entry(
+        unit="share at the wall", follows="place radius radial", bar=0.01, values=_plain("share")
+    ),
+    "low_sun": Entry(unit="counts", follows="heading", bar=20.0, values=_sunlight),
+    "flicker": Entry(unit=SHARE, follows="time", bar=0.1, lit=True, values=_swing),
 }
 """What no catalogue lists; see `unlisted`. A bar is about 1 mm/s or 5 % of a sensor."""

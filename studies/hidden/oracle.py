@@ -7,12 +7,12 @@ from pathlib import Path
 
 from realitygap.models.belief.catalogue import every_cause
 from realitygap.models.belief.extension import Extension, NamedCause, ParameterValue
-from realitygap.reality.effects import Hidden
+from realitygap.reality.effects import HiddenEffect
 from realitygap.studies.hidden.shares import as_told, given
 from realitygap.studies.inputs.model import Model
 
 
-def oracle(hidden: Iterable[Hidden]) -> Extension:
+def oracle(hidden: Iterable[HiddenEffect]) -> Extension:
     """The causes and values of what is hidden, as a model's extension.
 
     Raises:
@@ -21,7 +21,7 @@ def oracle(hidden: Iterable[Hidden]) -> Extension:
     return Extension(command="oracle: true parameters", causes=tuple(map(_cause, hidden)))
 
 
-def _cause(hidden: Hidden) -> NamedCause:
+def _cause(hidden: HiddenEffect) -> NamedCause:
     name = hidden.effect.name
     cause, values = every_cause()[name], as_told(name, hidden.values)
     asked = (*cause.parameters, *cause.given)
@@ -36,6 +36,6 @@ def _cause(hidden: Hidden) -> NamedCause:
     )
 
 
-def write_oracle(hidden: Iterable[Hidden], out: Path) -> None:
+def write_oracle(hidden: Iterable[HiddenEffect], out: Path) -> None:
     """Write the shipped e-puck, corrected, as `extended.toml` with its sensor tables."""
     Model.load().extended(oracle(hidden)).keep(out)

@@ -13,7 +13,7 @@ WIDTH = 100
 """Letters of a line."""
 
 
-class Told(ABC):
+class Telling(ABC):
     """A result that tells of itself in a few lines."""
 
     @abstractmethod

@@ -43,14 +43,14 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Table:
+class PageTable:
     """A table as text."""
 
     columns: Sequence[str]
     rows: Sequence[Sequence[Cell]]
 
     @classmethod
-    def of(cls, frame: pd.DataFrame) -> Table:
+    def of(cls, frame: pd.DataFrame) -> PageTable:
         """From a data frame; numbers to three digits, verdicts coloured."""
         rows = [[_cell(value) for value in row] for row in frame.itertuples(index=False)]
         return cls([str(name) for name in frame.columns], rows)
@@ -63,7 +63,7 @@ class Section:
     title: str
     texts: Sequence[str] = ()
     figures: Sequence[Picture] = ()
-    tables: Sequence[Table] = field(default_factory=tuple)
+    tables: Sequence[PageTable] = field(default_factory=tuple)
 
 
 def write_page(path: Path, title: str, lead: str, sections: Sequence[Section]) -> None:
@@ -93,7 +93,7 @@ def _filled(text: str) -> str:
     return textwrap.fill(text, WIDTH, break_long_words=False, break_on_hyphens=False)
 
 
-def _markdown_table(table: Table) -> str:
+def _markdown_table(table: PageTable) -> str:
     rows = [
         table.columns,
         ["---"] * len(table.columns),

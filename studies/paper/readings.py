@@ -15,7 +15,7 @@ import pandas as pd
 from realitygap.embedded_sim.reading import BOUNDINGS
 from realitygap.studies.paper.claims import CLAIMS
 from realitygap.studies.paper.conditions import COEVOLVED, PAPER, Condition
-from realitygap.studies.paper.statistics import FEWEST, Evidence
+from realitygap.studies.paper.statistics import FEWEST, ClaimEvidence
 from realitygap.studies.paper.tables import StudyTables
 from realitygap.studies.paper.verdicts import weigh
 
@@ -73,7 +73,7 @@ def of_variant(tables: StudyTables, variant: str) -> StudyTables:
     return StudyTables(pick(runs), pick(generations), tables.minutes)
 
 
-def stands(evidence: Evidence) -> str:
+def stands(evidence: ClaimEvidence) -> str:
     """Whether the whole interval lies where the claim is true, where it is false, or in both."""
     low, high = evidence.region
     if evidence.runs < FEWEST:

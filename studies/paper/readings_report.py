@@ -7,7 +7,7 @@ import seaborn as sns
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from realitygap.studies.pages.page import Section, Table, number, write_page
+from realitygap.studies.pages.page import PageTable, Section, number, write_page
 from realitygap.studies.paper import figures
 from realitygap.studies.paper.conditions import LABELS, PlannedRun, StudyConfig
 from realitygap.studies.paper.directory import StudyDirectory
@@ -70,7 +70,7 @@ def write_readings(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.Dat
                 Section(
                     "What the claims depend on",
                     (*TEXT, few_runs(study)),
-                    tables=[Table.of(dependence)],
+                    tables=[PageTable.of(dependence)],
                 ),
                 Section("Claims by variant", figures=drawn[:1]),
                 Section("Food by variant", figures=drawn[1:]),

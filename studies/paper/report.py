@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from realitygap.studies.fitness_gap.anew import PARTS, decompose, fresh_fitness_of
-from realitygap.studies.pages.page import Picture, Section, Table, markdown, write_page
+from realitygap.studies.pages.page import PageTable, Picture, Section, markdown, write_page
 from realitygap.studies.paper import figures, gap_figures
 from realitygap.studies.paper.conditions import PlannedRun, StudyConfig
 from realitygap.studies.paper.directory import StudyDirectory
@@ -109,8 +109,8 @@ def settings_sections(directory: StudyDirectory[StudyConfig, PlannedRun]) -> lis
         "realitygap run --case … --controller … --seed … --no-samples"
     )
     return [
-        Section("Settings, versions, computing", took, tables=[Table.of(settings)]),
-        Section("Seeds", (repeat,), tables=[Table.of(seeds)]),
+        Section("Settings, versions, computing", took, tables=[PageTable.of(settings)]),
+        Section("Seeds", (repeat,), tables=[PageTable.of(seeds)]),
     ]
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from realitygap.studies.fitness_gap.anew import TRIALS
-from realitygap.studies.pages.page import VERDICTS, Section, Table, number
+from realitygap.studies.pages.page import VERDICTS, PageTable, Section, number
 from realitygap.studies.paper.conditions import LABELS, STUDIED, StudyConfig
 from realitygap.studies.paper.mixture import mixture_text
 from realitygap.studies.paper.notes import NOTES
@@ -57,17 +57,17 @@ def result_sections(study: StudyConfig, folder: Path) -> list[Section]:
         pd.read_csv(folder / f"{name}.csv") for name in names
     )
     return [
-        Section("Items brought to the nest", tables=[Table.of(_food_view(runs))]),
+        Section("Items brought to the nest", tables=[PageTable.of(_food_view(runs))]),
         _claims_section(study, claims),
         Section(
             "Why co-evolution collects more than the fixed positive controller",
             mixture_text(mixture, evolved),
-            tables=[Table.of(_mixture_view(mixture)), Table.of(_evolved_view(evolved))],
+            tables=[PageTable.of(_mixture_view(mixture)), PageTable.of(_evolved_view(evolved))],
         ),
         Section(
             "The reality gap",
             GAP_TEXT,
-            tables=[Table.of(_gap_view(gap)), Table.of(controllers)],
+            tables=[PageTable.of(_gap_view(gap)), PageTable.of(controllers)],
         ),
     ]
 
@@ -84,11 +84,11 @@ def _claims_section(study: StudyConfig, claims: pd.DataFrame) -> Section:
         "What stands beside a claim:",
         *(f"{note.label}: {note.text}" for note in NOTES),
     ]
-    tables = [Table.of(power_table(study.runs, len(claims))), claims_view(claims)]
+    tables = [PageTable.of(power_table(study.runs, len(claims))), claims_view(claims)]
     return Section("Claims of section IV", texts, tables=tables)
 
 
-def claims_view(claims: pd.DataFrame) -> Table:
+def claims_view(claims: pd.DataFrame) -> PageTable:
     """The claims as the page shows them."""
     view = claims[["claim", "text", "statistic"]].copy()
     view["effect (95 %)"] = [
@@ -104,7 +104,7 @@ def claims_view(claims: pd.DataFrame) -> Table:
     view["p against"] = [number(value) for value in claims["p_against"]]
     view["verdict"] = claims["verdict"]
     view["beside it"] = claims["notes"].fillna("")
-    return Table.of(view)
+    return PageTable.of(view)
 
 
 def claimed(low: float, high: float) -> str:

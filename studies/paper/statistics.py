@@ -26,7 +26,7 @@ LEVEL = 0.95
 
 
 @dataclass(frozen=True)
-class Evidence:
+class ClaimEvidence:
     """What the numbers say of a claim."""
 
     effect: float

@@ -14,7 +14,7 @@ import pandas as pd
 
 from realitygap.studies.paper.claims import CLAIMS
 from realitygap.studies.paper.notes import labels
-from realitygap.studies.paper.statistics import FEWEST, Evidence, needed
+from realitygap.studies.paper.statistics import FEWEST, ClaimEvidence, needed
 from realitygap.studies.paper.tables import StudyTables
 from realitygap.studies.paper.weighing import Claim
 
@@ -30,7 +30,7 @@ def weigh_claims(tables: StudyTables, seed: int) -> pd.DataFrame:
     return pd.DataFrame([_row(*row) for row in zip(CLAIMS, evidence, strict=True)])
 
 
-def weigh(tables: StudyTables, seed: int) -> list[Evidence]:
+def weigh(tables: StudyTables, seed: int) -> list[ClaimEvidence]:
     """The evidence for each of `CLAIMS`."""
     evidence = []
     for claim in CLAIMS:
@@ -39,7 +39,7 @@ def weigh(tables: StudyTables, seed: int) -> list[Evidence]:
     return evidence
 
 
-def _row(claim: Claim, evidence: Evidence) -> dict[str, object]:
+def _row(claim: Claim, evidence: ClaimEvidence) -> dict[str, object]:
     low, high = evidence.region
     return {
         "claim": claim.key,
@@ -60,7 +60,7 @@ def _row(claim: Claim, evidence: Evidence) -> dict[str, object]:
     }
 
 
-def verdict(evidence: Evidence, claims: int = len(CLAIMS)) -> str:
+def verdict(evidence: ClaimEvidence, claims: int = len(CLAIMS)) -> str:
     """Reproduced, not reproduced or undecided, in a table of so many claims."""
     if evidence.runs < FEWEST:
         return "undecided"

@@ -15,7 +15,7 @@ import numpy as np
 from realitygap.studies.paper.persistence import half_life, old_third_curves
 from realitygap.studies.paper.statistics import (
     Array,
-    Evidence,
+    ClaimEvidence,
     Statistic,
     brown_forsythe,
     inside,
@@ -32,7 +32,7 @@ from realitygap.studies.paper.statistics import (
 )
 from realitygap.studies.paper.tables import StudyTables
 
-Weigh = Callable[[StudyTables, np.random.Generator], Evidence]
+Weigh = Callable[[StudyTables, np.random.Generator], ClaimEvidence]
 Names = str | tuple[str, ...]
 Both = tuple[float, float]
 """p for a claim and p against it."""
@@ -60,7 +60,7 @@ def more(above: Names, below: Names, column: str | tuple[str, str]) -> Weigh:
     """
     first, second = (column, column) if isinstance(column, str) else column
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
+    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
         samples = [_pool(tables, above, first), _pool(tables, below, second)]
         return _evidence(ratio, samples, random, _greater(*samples), ABOVE_ONE)
 
@@ -70,7 +70,7 @@ def more(above: Names, below: Names, column: str | tuple[str, str]) -> Weigh:
 def less(below: Names, above: Names, column: str) -> Weigh:
     """Runs of `below` have less of `column`: ratio of means, Mann-Whitney."""
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
+    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
         samples = [_pool(tables, below, column), _pool(tables, above, column)]
         p = _greater(samples[1], samples[0])
         return _evidence(ratio, samples, random, p, BELOW_ONE)
@@ -84,7 +84,7 @@ def all_more(above: Sequence[Names], below: Sequence[Names], column: str) -> Wei
     Against it: one of `below` has more than one of `above`, the smallest p times their number.
     """
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
+    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
         high = [_pool(tables, names, column) for names in above]
         low = [_pool(tables, names, column) for names in below]
         p = _all_of([_greater(a, b) for a in high for b in low])
@@ -97,7 +97,7 @@ def all_more(above: Sequence[Names], below: Sequence[Names], column: str) -> Wei
 def ratio_within(above: Names, below: Names, column: str, region: tuple[float, float]) -> Weigh:
     """The ratio of means lies in a region: shares of resamples outside it, and inside."""
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
+    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
         samples = [_pool(tables, above, column), _pool(tables, below, column)]
         return _evidence(ratio, samples, random, None, region)
 
@@ -107,7 +107,7 @@ def ratio_within(above: Names, below: Names, column: str, region: tuple[float, f
 def at_least(above: Names, below: Names, column: str, margin: float) -> Weigh:
     """Not less than `margin` times the other: Mann-Whitney against the scaled sample."""
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
+    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
         samples = [_pool(tables, above, column), _pool(tables, below, column)]
         p = _greater(samples[0], margin * samples[1])
         return _evidence(ratio, samples, random, p, (margin, float("inf")))
@@ -118,7 +118,7 @@ def at_least(above: Names, below: Names, column: str, margin: float) -> Weigh:
 def falls(condition: str, before: str, after: str) -> Weigh:
     """The second column is less than the first in the same runs: ratio of means, Wilcoxon."""
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
+    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
         samples = [tables.values(condition, after), tables.values(condition, before)]
         p = _positive(samples[1] - samples[0])
         return _evidence(ratio, samples, random, p, BELOW_ONE, paired=True)
@@ -129,7 +129,7 @@ def falls(condition: str, before: str, after: str) -> Weigh:
 def spread_changes(condition: str, before: str, after: str, *, grows: bool) -> Weigh:
     """The second column is more, or less, spread than the first: Brown-Forsythe."""
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
+    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
         late, early = tables.values(condition, after), tables.values(condition, before)
         p = _wider(late, early) if grows else _wider(early, late)
         region = ABOVE_ONE if grows else BELOW_ONE
@@ -144,7 +144,7 @@ def least_spread(condition: str, others: Sequence[str], column: str) -> Weigh:
     Against it: it is more spread than one of them, the smallest p times their number.
     """
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
+    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
         narrow = tables.values(condition, column)
         wide = [tables.values(other, column) for other in others]
 
@@ -163,7 +163,7 @@ def share(names: Names, columns: tuple[str, ...], bound: float, *, above: bool =
     Runs in which it does not occur are left out.
     """
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
+    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
         values = np.mean([_pool(tables, names, column) for column in columns], axis=0)
         values = values[np.isfinite(values)]
         p = _positive(values - bound if above else bound - values)
@@ -176,7 +176,7 @@ def share(names: Names, columns: tuple[str, ...], bound: float, *, above: bool =
 def persists(condition: str, scenario: int, region: tuple[float, float]) -> Weigh:
     """Minutes until belief in the old scenario has fallen half-way: shares of resamples."""
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> Evidence:
+    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
         curves = old_third_curves(tables, condition, scenario)
         half = curves.shape[1] // 2 if curves.ndim == 2 else 0
 
@@ -188,7 +188,7 @@ def persists(condition: str, scenario: int, region: tuple[float, float]) -> Weig
         effect = statistic([curves])
         low, high, drawn = interval(statistic, [curves], random, paired=True)
         p = outside(drawn, region), inside(drawn, region)
-        return Evidence(effect, low, high, *p, region, len(curves))
+        return ClaimEvidence(effect, low, high, *p, region, len(curves))
 
     return weigh
 
@@ -225,17 +225,17 @@ def _evidence(
     region: tuple[float, float],
     *,
     paired: bool = False,
-) -> Evidence:
+) -> ClaimEvidence:
     """Effect, interval and p; without a p of a test, the shares of resamples."""
     runs = min(len(sample) for sample in samples)
     if runs < 2 or not all(np.isfinite(sample).all() for sample in samples):
         return _nothing(region, runs)
     low, high, drawn = interval(statistic, samples, random, paired=paired)
     both = (outside(drawn, region), inside(drawn, region)) if p is None else p
-    return Evidence(statistic(samples), low, high, *both, region, runs)
+    return ClaimEvidence(statistic(samples), low, high, *both, region, runs)
 
 
-def _nothing(region: tuple[float, float], runs: int) -> Evidence:
+def _nothing(region: tuple[float, float], runs: int) -> ClaimEvidence:
     """Too little data, or a condition in which it does not occur."""
     nan = float("nan")
-    return Evidence(nan, nan, nan, nan, nan, region, runs)
+    return ClaimEvidence(nan, nan, nan, nan, nan, region, runs)

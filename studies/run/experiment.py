@@ -33,7 +33,7 @@ from realitygap.studies.run.manoeuvre import Manoeuvre
 from realitygap.studies.run.recorder import Recorder, RunTables
 
 if TYPE_CHECKING:
-    from realitygap.reality.effects import Effect, Hidden
+    from realitygap.reality.effects import Effect, HiddenEffect
 
 Case = Literal[
     "no-light",
@@ -300,7 +300,7 @@ def _write_notes(
     out: Path,
     config: RunConfig,
     inputs: list[dict[str, str]],
-    hidden: tuple[Hidden, ...],
+    hidden: tuple[HiddenEffect, ...],
     totals: dict[str, float],
 ) -> None:
     write_json(

@@ -57,7 +57,7 @@ def _schema() -> Any:
     )
 
 
-class Driven(Protocol):
+class Experimented(Protocol):
     """What robots were told and what came of it."""
 
     generations: list[Generation]
@@ -110,7 +110,7 @@ class Recorder:
             self._writer.close()
             self._writer = None
 
-    def sample(self, step: int, world: World, swarm: Driven, scenario: int) -> None:
+    def sample(self, step: int, world: World, swarm: Experimented, scenario: int) -> None:
         """Keep one control step: measured poses, readings, virtual sensor, commands answered.
 
         A row's commands hold from its time on; its wheel speeds are the encoders' steps since the
@@ -133,7 +133,7 @@ class Recorder:
         if self._filled == CHUNK:
             self._flush()
 
-    def finish(self, swarm: Driven, genome: Genome) -> RunTables:
+    def finish(self, swarm: Experimented, genome: Genome) -> RunTables:
         """Write what is left and the two small tables."""
         if self._filled:
             self._flush()
@@ -161,7 +161,7 @@ class Recorder:
         )
         self._writer.write_table(pa.table(columns, schema=self._schema))
 
-    def _generations(self, swarm: Driven, genome: Genome) -> pd.DataFrame:
+    def _generations(self, swarm: Experimented, genome: Genome) -> pd.DataFrame:
         rows = sorted(swarm.generations, key=lambda g: (g.robot, g.generation))
         fixed = [np.isnan(g.s0) for g in rows]
         constants = [genome.values(np.array(g.genome)) for g in rows]
@@ -191,7 +191,7 @@ class Recorder:
             }
         )
 
-    def _deposits(self, swarm: Driven) -> pd.DataFrame:
+    def _deposits(self, swarm: Experimented) -> pd.DataFrame:
         rows = np.array(swarm.deposits, dtype=np.int64).reshape(-1, 4)
         return pd.DataFrame(
             {

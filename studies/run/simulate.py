@@ -14,7 +14,7 @@ from realitygap.reality.engine import DEFAULT, engine_name
 from realitygap.studies.inputs.imported import read_log
 from realitygap.studies.inputs.logs import Log
 from realitygap.studies.inputs.model import AnyModel, Model
-from realitygap.studies.pages.notebook import Told
+from realitygap.studies.pages.notebook import Telling
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.rooms import scratch
 from realitygap.studies.run import experiment
@@ -27,7 +27,7 @@ TABLES = ("generations", "deposits", "samples")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RunResult(Told):
+class RunResult(Telling):
     """What a swarm did: its tables are read when they are asked for."""
 
     config: RunConfig
@@ -78,7 +78,7 @@ class RunResult(Told):
         return pd.read_parquet(path)
 
     def told(self) -> tuple[str, str, str]:
-        """As `Told`."""
+        """As `Telling`."""
         of = self.config
         text = f"{of.robots} robots for {of.minutes:g} min, {of.case}, {of.controller}, seed "
         text += f"{of.seed}: {self.totals['deposits']:.0f} items brought to the nest."

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from realitygap.models.belief.modelfile import load_models
-from realitygap.studies.pages.page import Picture, Section, Table, write_page
+from realitygap.studies.pages.page import PageTable, Picture, Section, write_page
 from realitygap.studies.paper import figures
 from realitygap.studies.paper.directory import StudyDirectory
 from realitygap.studies.paper.report import write_csv
@@ -138,11 +138,11 @@ def _page(
             lead,
             [
                 Section("Food", told, figures=[Picture(folder / "food.png", FOOD)]),
-                Section("All comparisons", (METHOD,), tables=[Table.of(compared)]),
+                Section("All comparisons", (METHOD,), tables=[PageTable.of(compared)]),
                 Section(
                     "What each model would choose among nine controllers",
                     (CHOICES,),
-                    tables=[Table.of(picks.rename(columns=names))],
+                    tables=[PageTable.of(picks.rename(columns=names))],
                 ),
             ],
         )

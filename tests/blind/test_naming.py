@@ -18,8 +18,7 @@ from realitygap.studies.blind.examiner import LOG, ask
 from realitygap.studies.blind.record import record
 from realitygap.studies.blind.scoring import Score, named, score
 from realitygap.studies.blind.trials import Hidden, Trial
-from realitygap.studies.blind.unlisted import FOLLOWS
-from realitygap.studies.hidden.menu import MENU
+from realitygap.studies.hidden.menu import MENU, STRANGE
 from realitygap.studies.run.experiment import RunConfig
 
 ROBOTS = 10
@@ -95,7 +94,7 @@ def test_what_no_catalogue_lists_is_called_unexplained_by_what_it_follows() -> N
     followed = {tuple(one["robots"]): one["quantity"] for one in answer["unexplained"]}
     assert set(followed) == {(2,), (6,)}
     for one in trial.hidden:
-        assert followed[one.robots] in FOLLOWS[one.name].split()
+        assert followed[one.robots] in STRANGE[one.name].follows.split()
     assert not score(trial, answer).accused
 
 

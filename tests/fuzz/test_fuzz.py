@@ -19,7 +19,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from realitygap.reality.effects import catalogue
-from realitygap.reality.effects.effect import Parameter
+from realitygap.reality.effects.effect import Key
 from realitygap.studies.cli import app
 from tests.fuzz.child import Child
 from tests.fuzz.corpus import CORPUS, LOGS, SLOW, SPECS, WORDS
@@ -131,7 +131,7 @@ def test_a_packed_text_may_be_damaged_before_it_was_packed(
     holds()
 
 
-def _sound(parameter: Parameter) -> str:
+def _sound(parameter: Key) -> str:
     """A value that a key may have."""
     if parameter.words:
         return parameter.words[0]

@@ -4,41 +4,16 @@ from __future__ import annotations
 
 import re
 import shlex
-import types
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from realitygap.models.belief.cause import Cause
-from realitygap.models.belief.motion import Motion
-from realitygap.reality.effects.effect import Effect
-from realitygap.reality.hardware import Hardware
 from tests.helpers import ROOT, realitygap
 
 
 def blocks(document: str, language: str) -> list[str]:
     text = (ROOT / document).read_text(encoding="utf-8")
     return re.findall(rf"```{language}\n(.*?)```", text, flags=re.DOTALL)
-
-
-def module(code: str) -> types.ModuleType:
-    made = types.ModuleType("example")
-    exec(compile(code, "CONTRIBUTING.md", "exec"), made.__dict__)
-    return made
-
-
-def test_the_worked_example_of_an_effect_works() -> None:
-    hiding, believing = (module(code) for code in blocks("CONTRIBUTING.md", "python"))
-    effect, cause = hiding.EFFECT, believing.CAUSE
-    assert isinstance(effect, Effect)
-    assert isinstance(cause, Cause)
-    hardware = Hardware.nominal(3)
-    effect.apply(hardware, np.array([1]), {"shift": 0.002})
-    assert hardware.axle == pytest.approx([0.053, 0.051, 0.053])
-    believed = cause.change(Motion(), np.array([0.002]), "")
-    assert believed.drive.axle == pytest.approx(0.051)
-    assert cause.change(Motion(), np.array([0.0]), "") == Motion()
 
 
 def test_every_realitygap_command_of_the_readme_works(tmp_path: Path) -> None:

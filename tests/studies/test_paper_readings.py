@@ -19,7 +19,7 @@ from realitygap.studies.paper.readings import (
     reading_conditions,
     stands,
 )
-from realitygap.studies.paper.statistics import Evidence
+from realitygap.studies.paper.statistics import ClaimEvidence
 from realitygap.studies.paper.study import run_study
 from realitygap.studies.plumbing.execution import Workers
 
@@ -50,11 +50,11 @@ def test_the_default_variant_repeats_the_runs_of_the_paper_study() -> None:
 
 def test_a_claim_stands_where_its_whole_interval_lies() -> None:
     above_one = (1.0, float("inf"))
-    assert stands(Evidence(2.0, 1.1, 3.0, 0.5, 0.5, above_one, 3)) == "holds"
-    assert stands(Evidence(0.5, 0.1, 0.9, 0.5, 0.5, above_one, 3)) == "fails"
-    assert stands(Evidence(1.2, 0.9, 1.5, 0.5, 0.5, above_one, 3)) == "open"
+    assert stands(ClaimEvidence(2.0, 1.1, 3.0, 0.5, 0.5, above_one, 3)) == "holds"
+    assert stands(ClaimEvidence(0.5, 0.1, 0.9, 0.5, 0.5, above_one, 3)) == "fails"
+    assert stands(ClaimEvidence(1.2, 0.9, 1.5, 0.5, 0.5, above_one, 3)) == "open"
     nan = float("nan")
-    assert stands(Evidence(nan, nan, nan, nan, nan, above_one, 0)) == "open"
+    assert stands(ClaimEvidence(nan, nan, nan, nan, nan, above_one, 0)) == "open"
 
 
 def test_a_claim_that_holds_without_selection_proves_nothing() -> None:

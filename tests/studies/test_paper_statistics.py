@@ -12,7 +12,7 @@ from scipy import stats
 from realitygap.studies.paper.claims import CLAIMS
 from realitygap.studies.paper.persistence import half_life
 from realitygap.studies.paper.statistics import (
-    Evidence,
+    ClaimEvidence,
     brown_forsythe,
     interval,
     mann_whitney,
@@ -90,8 +90,10 @@ def test_an_effect_inside_a_region_is_unlikely_outside_it() -> None:
     assert outside(drawn, (1.1, 2.0)) == 1.0
 
 
-def _evidence(effect: float, p: float, p_against: float, runs: int = 10) -> Evidence:
-    return Evidence(effect, effect - 0.1, effect + 0.1, p, p_against, (1.0, float("inf")), runs)
+def _evidence(effect: float, p: float, p_against: float, runs: int = 10) -> ClaimEvidence:
+    return ClaimEvidence(
+        effect, effect - 0.1, effect + 0.1, p, p_against, (1.0, float("inf")), runs
+    )
 
 
 def test_a_verdict_needs_an_estimate_on_its_side_and_a_p_below_the_bar() -> None:

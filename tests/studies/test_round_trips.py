@@ -23,11 +23,11 @@ from realitygap.models.belief.modelfile import (
     Lamps,
     ModelFile,
     Point,
-    Robot,
+    RobotSection,
     read_model_file,
 )
 from realitygap.models.belief.senses import SenseCause
-from realitygap.models.log.formats.mapped import SCALES, Map, Poses, Source, read_map
+from realitygap.models.log.formats.mapped import SCALES, Map, Origin, Poses, read_map
 from realitygap.models.log.opened import json_values
 from realitygap.models.log.schema import UNITS
 from realitygap.models.naming.health.inherent import INHERENT
@@ -43,7 +43,7 @@ from realitygap.models.naming.health.senses import (
     read_sense_reference,
     write_sense_reference,
 )
-from realitygap.reality.effects import Hidden, catalogue, parse_effects
+from realitygap.reality.effects import HiddenEffect, catalogue, parse_effects
 from realitygap.studies.gain.truth import hidden_in
 from realitygap.studies.inputs.model import Model
 from realitygap.studies.plumbing.provenance import write_json
@@ -102,7 +102,7 @@ def model_files(draw: st.DrawFn) -> ModelFile:
     body = draw(st.floats(1e-3, 1.0))
     plain = ModelFile(
         name=draw(texts.filter(bool)),
-        robot=Robot(
+        robot=RobotSection(
             wheel_radius=draw(lengths),
             axle=draw(lengths),
             body_radius=body,
@@ -152,12 +152,12 @@ def test_an_extended_model_keeps_its_sensors(tmp_path: Path, name: str, named: E
 
 
 @st.composite
-def sources(draw: st.DrawFn, column: str) -> Source | str:
+def sources(draw: st.DrawFn, column: str) -> Origin | str:
     units = [None, *SCALES.get(UNITS[column], {})]
     if column == "cmd_omega":
         units.remove("steps/s")
     told = {"from": draw(texts), "unit": draw(st.sampled_from(units)), "scale": draw(finite)}
-    return draw(st.just(Source.model_validate(told)) | texts)
+    return draw(st.just(Origin.model_validate(told)) | texts)
 
 
 @st.composite
@@ -270,6 +270,6 @@ def specs(draw: st.DrawFn) -> str:
 @often
 @given(given=st.lists(specs(), max_size=3))
 def test_what_was_hidden_is_read_back(tmp_path: Path, given: list[str]) -> None:
-    hidden: tuple[Hidden, ...] = parse_effects(given, 10)
+    hidden: tuple[HiddenEffect, ...] = parse_effects(given, 10)
     write_json(tmp_path / "truth.json", {"effects": [one.truth() for one in hidden]})
     assert hidden_in(tmp_path) == hidden

@@ -19,7 +19,7 @@ from realitygap.models.naming.findings import Evidence, Named
 from realitygap.models.naming.health.reference import shipped_reference
 from realitygap.reality import constants as k
 from realitygap.reality.effects import parse_effects
-from realitygap.studies.blind.scoring import Named as Told
+from realitygap.studies.blind.scoring import NamedAnswer as Told
 from realitygap.studies.blind.scoring import _inside
 from realitygap.studies.blind.trials import Hidden
 from realitygap.studies.hidden.oracle import oracle

@@ -28,7 +28,7 @@ from realitygap.models.log.measured import wheel_commands
 from realitygap.models.log.named import numbered
 from realitygap.models.log.plausible import GOOD
 from realitygap.models.log.schema import BODY_COMMANDS, ENCODERS, POSE, UNITS, WHEEL_COMMANDS
-from realitygap.models.log.unit_mistakes import Reading
+from realitygap.models.log.unit_mistakes import UnitReading
 
 ROWS = 4000
 """Rows of which motion is tried. Our choice: minutes of a robot."""
@@ -236,7 +236,7 @@ def _off(
     if (np.diff(t)[~new[1:]] <= 0).any():
         return 1.0  # the log's own reader says what is wrong with its time
     rows = Driven(t, np.ascontiguousarray(poses), commands, start, drive)
-    off = disagreement(rows, Reading())
+    off = disagreement(rows, UnitReading())
     return 1.0 if off is None else off
 
 

@@ -47,12 +47,12 @@ from realitygap.models.log.measured import read_table
 from realitygap.models.log.opened import toml_values
 from realitygap.models.log.schema import KEYS, POSE, UNITS
 
-__all__ = ["SCALES", "File", "Map", "Poses", "Source", "read_map", "read_mapped"]
+__all__ = ["SCALES", "File", "Map", "Origin", "Poses", "read_map", "read_mapped"]
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 
 
-class Source(Table):
+class Origin(Table):
     """Where a column comes from: a column of the file, or four for a yaw."""
 
     name: Annotated[str | None, Field(alias="from")] = None
@@ -67,7 +67,7 @@ class Source(Table):
     """Count, in the column's unit, after which a wheel's angle begins anew."""
 
     @model_validator(mode="after")
-    def _one(self) -> Source:
+    def _one(self) -> Origin:
         """Refuse what says nothing, or two things."""
         if self.name is None and self.quaternion is None:
             raise Refused("from", "nothing", "a column of the file, or quaternion = [four of them]")
@@ -86,20 +86,20 @@ class Poses(Table):
     """A second file with the poses."""
 
     file: Annotated[Path, Field(strict=False)]
-    t: Source | str
+    t: Origin | str
 
 
 class File(Table):
     """A further file."""
 
     file: Annotated[Path, Field(strict=False)]
-    columns: dict[str, Source | str]
+    columns: dict[str, Origin | str]
 
 
 class Map(Table):
     """A whole map."""
 
-    columns: dict[str, Source | str]
+    columns: dict[str, Origin | str]
     poses: Poses | None = None
     files: tuple[File, ...] = ()
 
@@ -186,7 +186,7 @@ def by_map(
 
 
 def _columns(
-    raw: pd.DataFrame, wanted: Mapping[str, Source | str], path: Path, drive: Drive
+    raw: pd.DataFrame, wanted: Mapping[str, Origin | str], path: Path, drive: Drive
 ) -> pd.DataFrame:
     """The wanted columns, in SI units; angles of wheels by the names of `units.ANGLES`."""
     for name, given in wanted.items():
@@ -209,7 +209,7 @@ def _columns(
 
 
 def _values(
-    raw: pd.DataFrame, name: str, source: Source, path: Path, drive: Drive
+    raw: pd.DataFrame, name: str, source: Origin, path: Path, drive: Drive
 ) -> pd.Series[float]:
     """One column, in its SI unit."""
     if source.quaternion is not None:
@@ -240,18 +240,18 @@ def _unwrapped(
     return pd.concat(parts).reindex(angles.index) if parts else angles
 
 
-def _source(given: Source | str) -> Source:
+def _source(given: Origin | str) -> Origin:
     """A plain name stands for a column in the log's own unit."""
-    return given if isinstance(given, Source) else Source.model_validate({"from": given})
+    return given if isinstance(given, Origin) else Origin.model_validate({"from": given})
 
 
-def _scale(name: str, source: Source, drive: Drive) -> float:
+def _scale(name: str, source: Origin, drive: Drive) -> float:
     """What to multiply a column with a unit by."""
     assert source.unit is not None
     return units_of(name, drive)[source.unit] * source.scale / (source.per_turn or 1.0)
 
 
-def _check(columns: Mapping[str, Source | str], where: str) -> None:
+def _check(columns: Mapping[str, Origin | str], where: str) -> None:
     for name, given in columns.items():
         if name not in UNITS:
             raise InputError(f"{where}.{name}", "an unknown column", nearest(name, UNITS))

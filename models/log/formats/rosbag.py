@@ -17,7 +17,7 @@ from realitygap.models.log.formats.streams import merged
 from realitygap.models.log.formats.topics import (
     BagMap,
     Frames,
-    Robot,
+    RobotTopics,
     describe,
     guess_topics,
     read_bag_map,
@@ -67,7 +67,7 @@ def bag_topics(path: Path) -> pd.DataFrame:
         )
 
 
-def _streams(topics: Robot, heard: Heard, clock: str, field: str) -> list[pd.DataFrame]:
+def _streams(topics: RobotTopics, heard: Heard, clock: str, field: str) -> list[pd.DataFrame]:
     """What one robot's topics said, by one clock."""
     told = _heard(heard, (topics.commands,), field)
     streams = [_table(told, clock, ("cmd_v", "cmd_omega"), topics.commands)]

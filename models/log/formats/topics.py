@@ -78,7 +78,7 @@ class Wheels(Table):
     right: str
 
 
-class Robot(Table):
+class RobotTopics(Table):
     """The topics of one robot."""
 
     commands: str
@@ -101,8 +101,8 @@ class BagMap(Table):
     """A whole map."""
 
     clock: Literal["received", "stamped"] = "received"
-    topics: Robot | None = None
-    robots: dict[str, Robot] = {}  # noqa: RUF012 - pydantic copies it
+    topics: RobotTopics | None = None
+    robots: dict[str, RobotTopics] = {}  # noqa: RUF012 - pydantic copies it
 
     @model_validator(mode="after")
     def _some(self) -> BagMap:

@@ -11,7 +11,7 @@ set aside or bridged; `silences`: the causes listed cannot be told."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entry:
+class PreflightEntry:
     """A measured value and what follows from it."""
 
     name: str

@@ -10,7 +10,7 @@ import numpy as np
 from realitygap.embedded_sim import Diverged
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.naming.engine.hypothesis import Term
-from realitygap.models.naming.engine.marginal import EMPTY, Score, freed, integrated, shared
+from realitygap.models.naming.engine.marginal import EMPTY, Scored, freed, integrated, shared
 from realitygap.models.naming.engine.state import SWARM
 from realitygap.models.naming.engine.subject import Subject
 from realitygap.models.naming.engine.weighed import Weighed
@@ -97,7 +97,7 @@ class Fitter:
         score = self._score(terms, sizes, here, np.ones(len(here)), none)
         return np.inf if score is None else score.square
 
-    def scores(self, terms: Sequence[Term], coordinates: Sequence[FloatArray]) -> Score:
+    def scores(self, terms: Sequence[Term], coordinates: Sequence[FloatArray]) -> Scored:
         """Of every column, with causes at given values.
 
         Raises:
@@ -193,7 +193,7 @@ class Fitter:
         terms: Sequence[Term],
         coordinates: Sequence[FloatArray],
         columns: Sequence[FloatArray],
-    ) -> Score:
+    ) -> Scored:
         """Of further columns, the causes fitted with them and everything else integrated out.
 
         Args:
@@ -213,7 +213,7 @@ class Fitter:
             raise Diverged("the causes that were fitted")
         p = len(here)
         rest = freed(score, np.arange(p))
-        return Score(rest.information[p:, p:], rest.slope[p:], rest.square)
+        return Scored(rest.information[p:, p:], rest.slope[p:], rest.square)
 
     def by_run(self, column: int) -> FloatArray:
         """(rows, runs) a white column in each run alone."""
@@ -237,7 +237,7 @@ class Fitter:
         steps: FloatArray,
         smooth: FloatArray,
         further: Sequence[FloatArray] = (),
-    ) -> Score | None:
+    ) -> Scored | None:
         """Of the causes' coordinates and further columns, all else integrated or fitted."""
         found = []
         p = len(here) + (further[0].shape[1] if further else 0)
@@ -269,9 +269,9 @@ class Fitter:
         else:
             whole = found[0]
         whole = freed(whole, p + self.flexible)
-        return Score(whole.information[:p, :p], whole.slope[:p], whole.square)
+        return Scored(whole.information[:p, :p], whole.slope[:p], whole.square)
 
-    def _with(self, k: int, robot: Subject, own: FloatArray, errors: FloatArray) -> Score:
+    def _with(self, k: int, robot: Subject, own: FloatArray, errors: FloatArray) -> Scored:
         """A robot's score of some more columns before its own."""
         p, many = own.shape[1], len(robot.names)
         info = np.empty((p + many, p + many))
@@ -285,7 +285,7 @@ class Fitter:
             integrated(info, slope, float(errors @ errors), prior._replace(at=prior.at + p)), k, p
         )
 
-    def _free(self, score: Score, k: int, p: int) -> Score:
+    def _free(self, score: Scored, k: int, p: int) -> Scored:
         """Of a swarm's robot, what it has by itself fitted."""
         if self.scope != SWARM:
             return score

@@ -33,7 +33,7 @@ class Prior(NamedTuple):
     """(l, l) of the covariance: root @ root.T."""
 
 
-class Score(NamedTuple):
+class Scored(NamedTuple):
     """What is known of every column's coefficient if it is free: t = W c."""
 
     information: FloatArray
@@ -50,14 +50,14 @@ def root_of(covariance: FloatArray) -> FloatArray:
     return np.asarray(turn * np.sqrt(np.maximum(size, 0.0)))
 
 
-def integrated(information: FloatArray, slope: FloatArray, square: float, prior: Prior) -> Score:
+def integrated(information: FloatArray, slope: FloatArray, square: float, prior: Prior) -> Scored:
     """The score of every column with those of the prior integrated out."""
     at, mean, root = prior
     side = information[:, at] @ root
     inner = np.linalg.inv(np.eye(root.shape[1]) + root.T @ side[at])
     left = slope - information[:, at] @ mean
     pulled = root.T @ left[at]
-    return Score(
+    return Scored(
         information - side @ inner @ side.T,
         left - side @ (inner @ pulled),
         float(
@@ -69,7 +69,7 @@ def integrated(information: FloatArray, slope: FloatArray, square: float, prior:
     )
 
 
-def freed(score: Score, columns: Rows) -> Score:
+def freed(score: Scored, columns: Rows) -> Scored:
     """The score of every column with some of them fitted."""
     if not len(columns):
         return score
@@ -79,13 +79,13 @@ def freed(score: Score, columns: Rows) -> Score:
     inverse = np.linalg.pinv(own / scale[:, None] / scale, hermitian=True) / scale[:, None] / scale
     pull = inverse @ t[columns]
     side = w[:, columns]
-    return Score(w - side @ inverse @ side.T, t - side @ pull, float(square - t[columns] @ pull))
+    return Scored(w - side @ inverse @ side.T, t - side @ pull, float(square - t[columns] @ pull))
 
 
 class Shared(NamedTuple):
     """What a swarm has in common, given its robots' scores."""
 
-    total: Score
+    total: Scored
     """Of the swarm, its common shift integrated out."""
     covariance: FloatArray
     """(k, k) of the common shift."""
@@ -93,7 +93,7 @@ class Shared(NamedTuple):
     """(k,)."""
 
 
-def shared(scores: list[Score], spread: FloatArray) -> Shared:
+def shared(scores: list[Scored], spread: FloatArray) -> Shared:
     """The swarm's own score, and the shift that its robots have in common.
 
     Args:
@@ -105,13 +105,13 @@ def shared(scores: list[Score], spread: FloatArray) -> Shared:
     inner = np.linalg.inv(np.eye(len(spread)) + spread[:, None] * w * spread)
     covariance = spread[:, None] * inner * spread
     pull = covariance @ t
-    total = Score(
+    total = Scored(
         w - w @ covariance @ w, t - w @ pull, sum(one.square for one in scores) - float(t @ pull)
     )
     return Shared(total, covariance, pull)
 
 
-def beside(score: Score, common: Shared) -> Score:
+def beside(score: Scored, common: Shared) -> Scored:
     """A robot's score with what its swarm has in common integrated out."""
     w, t, _ = score
-    return Score(w - w @ common.covariance @ w, t - w @ common.shift, score.square)
+    return Scored(w - w @ common.covariance @ w, t - w @ common.shift, score.square)

@@ -13,7 +13,7 @@ from realitygap.models.naming.engine.fitter import Fitter, Refined
 from realitygap.models.naming.engine.gates import Gates
 from realitygap.models.naming.engine.hypothesis import Term
 from realitygap.models.naming.engine.items import Item, Mask
-from realitygap.models.naming.engine.marginal import EMPTY, Score, freed
+from realitygap.models.naming.engine.marginal import EMPTY, Scored, freed
 from realitygap.models.naming.engine.state import SWARM, Kept, State, refusing, with_kept
 from realitygap.models.naming.engine.weighed import Weighed
 from realitygap.models.naming.rules import Rules
@@ -31,7 +31,7 @@ class Offer(NamedTuple):
     step: FloatArray
 
 
-def offers(score: Score, items: Sequence[Item], known: Mask, rules: Rules) -> list[Offer]:
+def offers(score: Scored, items: Sequence[Item], known: Mask, rules: Rules) -> list[Offer]:
     """What every item promises, best first."""
     found = []
     for item in items:
@@ -228,7 +228,7 @@ def _follows_nothing(item: Item) -> bool:
     return item.columns == (item.always,)
 
 
-def _tells(score: Score, bare: FloatArray, item: Item) -> bool:
+def _tells(score: Scored, bare: FloatArray, item: Item) -> bool:
     """Whether a channel's steady change is something else than what is fitted already."""
     if _follows_nothing(item):
         return False
@@ -237,7 +237,7 @@ def _tells(score: Score, bare: FloatArray, item: Item) -> bool:
 
 
 def _replacing(
-    score: Score,
+    score: Scored,
     offer: Offer,
     gain: float,
     plains: Sequence[Offer],

@@ -10,7 +10,7 @@ from realitygap.models.naming.engine.marginal import (
     EMPTY,
     FLAT,
     Prior,
-    Score,
+    Scored,
     Shared,
     beside,
     freed,
@@ -35,13 +35,13 @@ class Weighed:
         self.spread = self._spread(self.free)
         self.common: Shared = shared(self.alone, self.spread)
 
-    def score(self, scope: int) -> Score:
+    def score(self, scope: int) -> Scored:
         """Of every column in a scope, what is kept there fitted too."""
         if scope == SWARM:
             return freed(self.common.total, self.free)
         return beside(self.alone[scope], self.common)
 
-    def with_flexible(self, scope: int) -> Score:
+    def with_flexible(self, scope: int) -> Scored:
         """Of every column in a scope, its causes fitted and its flexible terms not."""
         if scope != SWARM:
             return beside(self._alone(scope, flexible=False), self.common)
@@ -89,7 +89,7 @@ class Weighed:
         own = prior.root @ prior.root.T + shift[np.ix_(at, at)]
         return Prior(at, prior.mean + (shift @ t)[at], root_of(own))
 
-    def _alone(self, k: int, *, flexible: bool = True) -> Score:
+    def _alone(self, k: int, *, flexible: bool = True) -> Scored:
         robot = self.state.robots[k]
         errors = robot.own_errors
         score = integrated(

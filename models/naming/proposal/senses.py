@@ -16,7 +16,7 @@ from realitygap.models.naming.channels.senses.levels import SQUARE
 from realitygap.models.naming.channels.senses.neighbours import FAR, Neighbours
 from realitygap.models.naming.channels.senses.nest import Answers, Crossings
 from realitygap.models.naming.channels.senses.predicted import predict
-from realitygap.models.naming.channels.senses.readings import KINDS, Eye, Readings
+from realitygap.models.naming.channels.senses.readings import KINDS, Eye, ReadingRows
 from realitygap.models.naming.channels.senses.sight import BLOCK_SECONDS, Sight, lamp_in_sight
 from realitygap.models.naming.channels.senses.terms import columns_of
 from realitygap.models.naming.engine.fitter import Fitter
@@ -130,7 +130,7 @@ def _apart(
         for k in range(len(sight.robots)):
             eye = Eye(told.of(k), model)
             for name in KINDS:
-                seen = Readings(eye, name, truth.beliefs[k])
+                seen = ReadingRows(eye, name, truth.beliefs[k])
                 errors.append(seen.errors(asked.beliefs[k]))
                 mine = asked.scope in (SWARM, k)
                 columns.append(_columns(seen, asked, asked.beliefs[k], mine=mine))
@@ -140,7 +140,7 @@ def _apart(
     return min(found)
 
 
-def _columns(seen: Readings, asked: _Believed, belief: Belief, *, mine: bool) -> FloatArray:
+def _columns(seen: ReadingRows, asked: _Believed, belief: Belief, *, mine: bool) -> FloatArray:
     """(n, p) change of the errors per unit of a cause's numbers."""
     size = len(asked.coordinates)
     if not mine or not size:

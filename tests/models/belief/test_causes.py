@@ -12,7 +12,7 @@ from realitygap.embedded_sim import Drive, InputError
 from realitygap.models.belief.catalogue import causes
 from realitygap.models.belief.cause import Cause
 from realitygap.models.belief.extension import Extension, NamedCause, ParameterValue
-from realitygap.models.belief.modelfile import ModelFile, Robot, read_model_file
+from realitygap.models.belief.modelfile import ModelFile, RobotSection, read_model_file
 from realitygap.models.belief.motion import Motion
 
 BASE = Motion(drive=Drive(time_constant=0.01, acceleration=(150.0, 150.0)))
@@ -96,7 +96,7 @@ def test_an_extension_concerns_its_robots_only() -> None:
     )
     model = ModelFile(
         name="x",
-        robot=Robot(wheel_radius=0.02, axle=0.05, body_radius=0.03, wheel_speed_max=6.0),
+        robot=RobotSection(wheel_radius=0.02, axle=0.05, body_radius=0.03, wheel_speed_max=6.0),
         extension=Extension(causes=(cause,)),
     )
     assert model.motion(3).drive.speed_limit == (4.5, math.inf)

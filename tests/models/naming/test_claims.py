@@ -25,7 +25,7 @@ from realitygap.models.naming.channels.motion import claims
 from realitygap.models.naming.channels.motion.claims import bounded, claimed
 from realitygap.models.naming.channels.motion.diagnose import diagnose
 from realitygap.models.naming.channels.motion.fit import Problem
-from realitygap.models.naming.channels.motion.fitted import Fitted, Told, refitted
+from realitygap.models.naming.channels.motion.fitted import Fitted, ToldValue, refitted
 from realitygap.models.naming.channels.motion.tracks import cut_tracks
 from realitygap.models.naming.claims.ahead import Ahead
 from realitygap.models.naming.claims.harm import Predictions, harmless
@@ -97,7 +97,7 @@ def test_each_part_of_a_log_gives_the_values_that_hold_in_it() -> None:
     problem = Problem(cut, [Motion(drive=Drive())])
     fit = problem.fit((term,), [np.zeros((1, 1))])
     none = np.zeros(1)
-    told = Told(searched=term, term=term, mean=none)
+    told = ToldValue(searched=term, term=term, mean=none)
     fitted = Fitted(problem=problem, fit=fit, told=(told,), believed=(term,))
     ratios = [refitted([fitted], part)[term, (0,)][0].value for part in (0, 1)]
     assert ratios == pytest.approx([0.0210 / 0.0200, 0.0203 / 0.0207], abs=0.004)

@@ -13,7 +13,7 @@ from realitygap.models.naming.engine.health import Health
 from realitygap.models.naming.engine.marginal import (
     FLAT,
     Prior,
-    Score,
+    Scored,
     beside,
     freed,
     integrated,
@@ -46,7 +46,7 @@ def score_of(y: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray, floa
     return x.T @ x, x.T @ y, float(y @ y)
 
 
-def same(found: Score, x: FloatArray, y: FloatArray, covariance: FloatArray) -> None:
+def same(found: Scored, x: FloatArray, y: FloatArray, covariance: FloatArray) -> None:
     """A score is what generalised least squares has."""
     inverse = np.linalg.inv(covariance)
     scale = np.linalg.norm(x, axis=0)
@@ -80,7 +80,7 @@ def test_what_is_freed_is_regressed_out_though_two_columns_are_alike(
     if alike:
         free = np.column_stack([free, 3.0 * free[:, 0]])
     whole = np.column_stack([free, x[:, size]])
-    found = freed(Score(*score_of(y, whole)), np.arange(free.shape[1]))
+    found = freed(Scored(*score_of(y, whole)), np.arange(free.shape[1]))
     left = y - free @ np.linalg.lstsq(free, y, rcond=None)[0]
     last = x[:, size] - free @ np.linalg.lstsq(free, x[:, size], rcond=None)[0]
     assert found.square == pytest.approx(float(left @ left), rel=1e-7)
@@ -90,7 +90,7 @@ def test_what_is_freed_is_regressed_out_though_two_columns_are_alike(
 
 def test_nothing_freed_changes_nothing() -> None:
     (y,), (x,) = drawn(1, 2)
-    score = Score(*score_of(y, x))
+    score = Scored(*score_of(y, x))
     assert freed(score, np.array([], dtype=np.int64)) is score
 
 

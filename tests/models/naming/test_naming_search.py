@@ -16,7 +16,7 @@ from realitygap.models.naming.engine.gates import Gates
 from realitygap.models.naming.engine.health import Health
 from realitygap.models.naming.engine.hypothesis import Term
 from realitygap.models.naming.engine.items import Item
-from realitygap.models.naming.engine.marginal import Score
+from realitygap.models.naming.engine.marginal import Scored
 from realitygap.models.naming.engine.search import _replacing, contenders, offers, search
 from realitygap.models.naming.engine.seen import away, least_seen
 from realitygap.models.naming.engine.separable import inseparable
@@ -69,8 +69,8 @@ def all_have(column: int, size: float, robots: int = ROBOTS) -> dict[tuple[int, 
     return {(k, column): size for k in range(robots)}
 
 
-def score(information: FloatArray, slope: list[float]) -> Score:
-    return Score(np.asarray(information), np.array(slope), 1e3)
+def score(information: FloatArray, slope: list[float]) -> Scored:
+    return Scored(np.asarray(information), np.array(slope), 1e3)
 
 
 def test_what_is_offered_is_what_a_linear_step_takes_off_best_first() -> None:
@@ -218,7 +218,7 @@ def test_a_cause_is_replaced_by_what_does_clearly_better_and_leaves_it_little(
     x = np.eye(3)
     x[:, 1] = [alike, np.sqrt(1.0 - alike**2), 0.0]
     y = plain * x[:, 1] + own * x[:, 0]
-    told = Score(x.T @ x, x.T @ y, float(y @ y))
+    told = Scored(x.T @ x, x.T @ y, float(y @ y))
     items = (item(cause("a", feigns=feigns), 0), flexible("place", 1, always=2))
     one, other = sorted(offers(told, items, KNOWN, RULES), key=lambda offer: offer.item.key)
     found = _replacing(told, one, one.gain, [other], np.zeros(len(told.slope)), RULES)

@@ -11,7 +11,7 @@ import pytest
 
 from realitygap.models.belief.catalogue import every_cause, sense_causes
 from realitygap.models.log.measured import make_log
-from realitygap.models.log.preflight.entry import Entry, Follows
+from realitygap.models.log.preflight.entry import Follows, PreflightEntry
 from realitygap.models.log.schema import LS, PS
 from realitygap.models.naming.channels.motion.diagnose import diagnose
 from realitygap.models.naming.diagnosis import as_json
@@ -20,7 +20,9 @@ from tests.models.naming.test_identify import MODEL, RECORDER, STEP, reference, 
 POSE = ["x", "y", "yaw"]
 
 
-def entries(frame: pd.DataFrame, *, recorder: str = "", known: bool = True) -> dict[str, Entry]:
+def entries(
+    frame: pd.DataFrame, *, recorder: str = "", known: bool = True
+) -> dict[str, PreflightEntry]:
     frame.attrs["recorder"] = recorder
     log = make_log(frame, drive=MODEL.motion().drive)
     found = diagnose(log, MODEL, reference() if known else None).diagnosis
@@ -28,7 +30,7 @@ def entries(frame: pd.DataFrame, *, recorder: str = "", known: bool = True) -> d
 
 
 @cache
-def alike() -> dict[str, Entry]:
+def alike() -> dict[str, PreflightEntry]:
     return entries(table(43, {}), recorder=RECORDER)
 
 

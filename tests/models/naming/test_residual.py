@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.log.noise import PoseNoise
 from realitygap.models.naming.channels.motion.flexible import Steps
-from realitygap.models.naming.channels.motion.residual import Fitter
+from realitygap.models.naming.channels.motion.residual import Residuals
 from realitygap.models.naming.channels.motion.tracks import Tracks
 
 QUIET = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
@@ -77,7 +77,7 @@ def test_a_derivative_is_the_finite_difference_of_the_errors(
     seed: int, lengths: list[int], noise: tuple[float, float], error: float
 ) -> None:
     tracks, predicted = random_windows(seed, lengths, noise, error)
-    fitter = Fitter(tracks)
+    fitter = Residuals(tracks)
     rng = np.random.default_rng(seed)
     steps = Steps(tracks, predicted)
     q = rng.normal(0.0, 1.0, len(predicted))
@@ -98,7 +98,7 @@ def test_turning_and_shifting_a_whole_prediction_changes_no_error(
     c, s = np.cos(swing), np.sin(swing)
     x, y, yaw = predicted.T
     turned = np.column_stack([c * x - s * y + 0.3, s * x + c * y - 0.2, yaw + swing])
-    fitter = Fitter(tracks)
+    fitter = Residuals(tracks)
     assert fitter(turned) == pytest.approx(fitter(predicted), abs=1e-6)
     rigid = np.column_stack([0.3 - y, x - 0.2, np.ones(len(x))])  # a turn about some place
     assert fitter.derivative(fitter.aligned(predicted), rigid) == pytest.approx(0.0, abs=1e-6)

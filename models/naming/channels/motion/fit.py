@@ -18,7 +18,7 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
 from realitygap.models.log.tracker import NORMAL
 from realitygap.models.naming.channels.motion.predict import poses
-from realitygap.models.naming.channels.motion.residual import Fitter, deviance, weights
+from realitygap.models.naming.channels.motion.residual import Residuals, deviance, weights
 from realitygap.models.naming.channels.motion.tracks import Rows, Tracks
 from realitygap.models.naming.engine.hypothesis import Fit, Terms
 from realitygap.models.naming.engine.information import inverted
@@ -61,7 +61,7 @@ class Problem:
         given = np.arange(robots) if groups is None else np.asarray(groups, dtype=np.int64)
         self.groups: Rows = given
         self.count = int(given.max()) + 1
-        self.fitter = Fitter(tracks)
+        self.fitter = Residuals(tracks)
         self._row_robot = tracks.robot[tracks.window]
         self.window_group = given[tracks.robot]
         self._windows = len(tracks.first)

@@ -22,7 +22,7 @@ Key = tuple[Term, Robots]
 Values = Mapping[Key, tuple[Value, ...]]
 
 
-class Told(NamedTuple):
+class ToldValue(NamedTuple):
     """How one name's values follow from a fit."""
 
     searched: Term
@@ -40,11 +40,11 @@ class Fitted:
     problem: Problem
     """Of one group."""
     fit: Fit
-    told: tuple[Told, ...]
+    told: tuple[ToldValue, ...]
     believed: Terms
     """Of the fit, but for mimics."""
 
-    def values_of(self, one: Told) -> tuple[Value, ...]:
+    def values_of(self, one: ToldValue) -> tuple[Value, ...]:
         """A name's parameters with intervals."""
         return _values(self.problem, self.fit, one)
 
@@ -54,7 +54,7 @@ class Fitted:
         return _motions(self.problem, self.fit, self.believed)
 
 
-def _values(problem: Problem, fit: Fit, one: Told) -> tuple[Value, ...]:
+def _values(problem: Problem, fit: Fit, one: ToldValue) -> tuple[Value, ...]:
     at, term = fit.part(one.term), one.term
     if not term.cause.smooth:
         parameter = term.cause.parameters[0]

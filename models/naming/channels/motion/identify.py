@@ -11,7 +11,7 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
 from realitygap.models.naming.channels.motion.everywhere import uneven
 from realitygap.models.naming.channels.motion.fit import Problem
-from realitygap.models.naming.channels.motion.fitted import Fitted, Told
+from realitygap.models.naming.channels.motion.fitted import Fitted, ToldValue
 from realitygap.models.naming.channels.motion.recorded import recorded
 from realitygap.models.naming.channels.motion.recording import unsure
 from realitygap.models.naming.channels.motion.robot import robots_of
@@ -157,7 +157,7 @@ def _told(
         rest = apart.fit
         covariance = judged.fit.covariance[part, part]
         mean = reference.mean(term)
-        each.append(Told(term, apart.chosen, mean))
+        each.append(ToldValue(term, apart.chosen, mean))
         evidence = evidence_of(weighed, scope, judged, k, covariance, known)
         named.append(
             Named(

@@ -22,7 +22,7 @@ ROUNDS = 2
 """Times the noise is learned anew at the recording found. No rule: a limit of iterations."""
 
 
-class Recorded(NamedTuple):
+class AsRecorded(NamedTuple):
     """How a log was recorded."""
 
     base: tuple[Motion, ...]
@@ -31,7 +31,7 @@ class Recorded(NamedTuple):
     """Delay (s), clock's rate, smear (s^2) and scale with 95 % intervals; empty: no fit."""
 
 
-def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> Recorded:
+def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> AsRecorded:
     """How a log was recorded, from all its robots together.
 
     Args:
@@ -40,7 +40,7 @@ def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> Record
         health: How robots and swarms differ.
     """
     term = Term(recording(tracks.step, tracks.rules), ALL)
-    found = none = np.zeros(len(term.cause.parameters))
+    found = np.zeros(len(term.cause.parameters))
     said: tuple[Value, ...] = ()
     for _ in range(ROUNDS):
         here = [term.cause.applied(motion, found, ALL) for motion in base]
@@ -49,5 +49,5 @@ def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> Record
         if fit is None:
             break
         (found,) = fit.coordinates
-        said = values(term, found, fit.covariance, tracks.commands, none, none)
-    return Recorded(tuple(term.cause.applied(motion, found, ALL) for motion in base), said)
+        said = values(term, found, fit.covariance, tracks.commands)
+    return AsRecorded(tuple(term.cause.applied(motion, found, ALL) for motion in base), said)

@@ -34,7 +34,7 @@ class Aligned(NamedTuple):
     """1/rad^2: curvature of the squared errors, in noise, with that turn."""
 
 
-class Fitter:
+class Residuals:
     """Residuals of one set of tracks; keeps what does not depend on the prediction."""
 
     def __init__(self, tracks: Tracks) -> None:

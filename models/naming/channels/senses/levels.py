@@ -13,7 +13,7 @@ from realitygap.embedded_sim import PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.senses import Belief
 from realitygap.models.naming.channels.senses.predicted import LEAST_TELLING, NORMAL, TELLING, read
-from realitygap.models.naming.channels.senses.readings import Readings
+from realitygap.models.naming.channels.senses.readings import ReadingRows
 from realitygap.models.naming.channels.senses.sight import Sight
 
 MIDDLE = 0.4549
@@ -59,7 +59,7 @@ class Scatter(Level):
     Of the variance expected only a share is the sensors' own noise; the rest is the pose's.
     """
 
-    def __init__(self, channel: Readings, square: FloatArray, belief: Belief, part: int) -> None:
+    def __init__(self, channel: ReadingRows, square: FloatArray, belief: Belief, part: int) -> None:
         """Prepare.
 
         Args:

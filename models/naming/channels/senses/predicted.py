@@ -11,6 +11,7 @@ from scipy.special import ndtr
 from realitygap.embedded_sim import SENSORS, PointModel, readings
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.senses import Belief
+from realitygap.models.naming.channels.senses.path import Path
 from realitygap.models.naming.channels.senses.sight import Bools, Rows, Sight
 
 UNIFORM = 3.0**-0.5
@@ -44,18 +45,35 @@ def predict(
         alike.setdefault(beliefs[k], []).append(k)
     for belief, group in alike.items():
         if len(group) == len(sight.robots):
-            return read(sight, belief.of(model), np.arange(len(sight.time)))
+            return told(sight, model, belief, np.arange(len(sight.time)))
         rows = np.concatenate([np.arange(*sight.begin[k : k + 2]) for k in group])
-        result[rows] = read(sight, belief.of(model), rows)
+        result[rows] = told(sight, model, belief, rows)
     return result
 
 
-def read(sight: Sight, model: PointModel, rows: Rows) -> FloatArray:
+def told(sight: Sight, model: PointModel, belief: Belief, rows: Rows) -> FloatArray:
+    """(rows, 16) counts expected by one belief; with memory, of everything that came before."""
+    counts = read(sight, belief.of(model), rows)
+    if not belief.memory:
+        return counts
+    path, run, time = sight.path or sight, sight.run[rows], sight.time[rows]
+    for one in np.unique(run):
+        whole = np.flatnonzero(path.run == one)
+        plain = read(path, belief.of(model), whole)
+        later = plain
+        for memory in belief.memory:
+            later = memory(later, path.time[whole])
+        here = run == one
+        counts[here] += (later - plain)[np.searchsorted(path.time[whole], time[here])]
+    return counts
+
+
+def read(sight: Sight | Path, model: PointModel, rows: Rows) -> FloatArray:
     """(rows, 16) counts expected by one model."""
     assert model.tables is not None
     scenario = np.maximum(sight.scenario[rows], 0)
-    told = readings(sight.poses[rows], scenario, sight.time[rows], model=model)
-    return np.hstack([_never_below_zero(told.ps, model), told.ls])
+    both = readings(sight.poses[rows], scenario, sight.time[rows], model=model)
+    return np.hstack([_never_below_zero(both.ps, model), both.ls])
 
 
 def _never_below_zero(counts: FloatArray, model: PointModel) -> FloatArray:

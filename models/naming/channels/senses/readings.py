@@ -16,7 +16,7 @@ from realitygap.embedded_sim import SENSORS, PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.senses import Belief
 from realitygap.models.log.blocks import nth
-from realitygap.models.naming.channels.senses.predicted import noise, own_noise, read
+from realitygap.models.naming.channels.senses.predicted import noise, own_noise, told
 from realitygap.models.naming.channels.senses.quantities import Key, of_readings, of_rows
 from realitygap.models.naming.channels.senses.sight import (
     NEAREST_LAMP,
@@ -40,6 +40,8 @@ SWINGS = ("light", "share")
 """Where swings in time are looked for, for lamps flicker; single places only as a share."""
 KINDS = {"infrared": ("ps", "both"), "light": ("ls", "both")}
 """Kinds of causes that a channel shows."""
+RUN_APART = 1e6
+"""s that is longer than any run. No rule: as good as infinite."""
 REMEMBERED = 64
 """Beliefs whose counts are kept: both channels of a robot ask for the same ones.
 No rule: of memory."""
@@ -72,7 +74,7 @@ class Eye:
         return np.stack(found, axis=2)
 
     def _read(self, sight: Sight, belief: Belief) -> FloatArray:
-        return read(sight, belief.of(self.model), np.arange(len(sight.time)))
+        return told(sight, self.model, belief, np.arange(len(sight.time)))
 
     def usable(self, belief: Belief) -> Bools:
         """(rows, 16) readings that say something of wall and lamps, wherever these are believed."""
@@ -81,7 +83,15 @@ class Eye:
             poses = self.sight.poses[mine]
             shaded = self.sight.neighbours.only(mine).before_lamp(poses, lamp, self.model)
             use[mine, SENSORS:] &= ~(too_near(poses, lamp)[:, None] | shaded)
+        for memory in belief.memory:
+            use &= self._since_hidden() > np.repeat(memory.reach, SENSORS)
         return use
+
+    def _since_hidden(self) -> FloatArray:
+        """(rows, 16) s since a reading of the run may have been caused by something else."""
+        clock = (self.sight.time + RUN_APART * self.sight.run)[:, None]
+        hidden = np.where(self.sight.free, -np.inf, clock)
+        return np.asarray(clock - np.maximum.accumulate(hidden, axis=0))
 
     def _elsewhere(self, belief: Belief) -> Iterator[tuple[Bools, tuple[float, float]]]:
         """Lamps believed to stand elsewhere than in the model, and (rows,) when they are lit."""
@@ -97,7 +107,7 @@ class Eye:
                 yield mine, (lamp[0] + dx, lamp[1] + dy)
 
 
-class Readings:
+class ReadingRows:
     """One robot's readings of one channel, at what is believed of it."""
 
     axes = 1
@@ -121,8 +131,8 @@ class Readings:
         self.own = (self._picked(own) / self.sd) ** 2
         """(n,) share of the variance that is the sensors' own."""
         seen = counts - np.hstack([belief.senses.ps_offset, np.zeros(SENSORS)])
-        told = self._picked(seen)
-        self.signal = told if name == "infrared" else model.tables.ls_dark - told
+        reading = self._picked(seen)
+        self.signal = reading if name == "infrared" else model.tables.ls_dark - reading
         window = nth(sight.time[self.row], sight.rules.window)
         key = sight.run[self.row] * (window.max(initial=0) + 1) + window
         self.window = np.unique(key, return_inverse=True)[1]
@@ -134,8 +144,8 @@ class Readings:
     def errors(self, belief: Belief) -> FloatArray:
         """(n,) in noise if something is believed."""
         senses = replace(belief.senses, ps_noise=self._scale)  # of noise its scatter tells
-        told = self.eye.counts(replace(belief, senses=senses))
-        return (self._read - self._picked(told)) / self.sd
+        counts = self.eye.counts(replace(belief, senses=senses))
+        return (self._read - self._picked(counts)) / self.sd
 
     @property
     def moments(self) -> Rows:

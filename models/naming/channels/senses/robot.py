@@ -18,7 +18,7 @@ from realitygap.models.naming.channels.senses.channel import Channel, Part
 from realitygap.models.naming.channels.senses.levels import Level, Scatter, targets
 from realitygap.models.naming.channels.senses.made import Made
 from realitygap.models.naming.channels.senses.nest import Crossings, answers
-from realitygap.models.naming.channels.senses.readings import KINDS, Eye, Readings
+from realitygap.models.naming.channels.senses.readings import KINDS, Eye, ReadingRows
 from realitygap.models.naming.channels.senses.sight import BLOCK_SECONDS, Rows, Sight
 from realitygap.models.naming.channels.senses.terms import (
     Doses,
@@ -86,7 +86,7 @@ class SenseRobot:
     @property
     def learned(self) -> int:
         """Windows that noise was learned from."""
-        read = [one for one in self.parts if isinstance(one.channel, Readings)]
+        read = [one for one in self.parts if isinstance(one.channel, ReadingRows)]
         return sum(len(one.channel.first) for one in read)
 
     def errors(self, motion: Belief) -> FloatArray:
@@ -183,7 +183,7 @@ class SenseLog:
     def part(self, one: Part) -> Rows:
         """(n,) part of the log of each row of a channel, -1 where it is of neither."""
         channel = one.channel
-        if isinstance(channel, Readings):
+        if isinstance(channel, ReadingRows):
             return np.asarray(channel.eye.sight.part[channel.moments][channel.window])
         if isinstance(channel, Crossings):
             return np.asarray(self._part[channel.rows])
@@ -194,7 +194,7 @@ class SenseLog:
         each: list[list[tuple[Channel, Made, Noise]]] = [[] for _ in which]
         for name in KINDS if self.sight is not None else ():
             channels = [
-                Readings(self._eyes[k], name, b) for k, b in zip(which, beliefs, strict=True)
+                ReadingRows(self._eyes[k], name, b) for k, b in zip(which, beliefs, strict=True)
             ]
             some = [i for i, one in enumerate(channels) if len(one.window)]
             if not some:
@@ -209,7 +209,7 @@ class SenseLog:
             each[i] += self._crossings(k, belief)
         return self._joined(which, beliefs, each)
 
-    def _of_readings(self, channel: Readings, belief: Belief) -> Made:
+    def _of_readings(self, channel: ReadingRows, belief: Belief) -> Made:
         made = self._of_causes(channel, belief)
         made.add(None, {LATE: channel.late()})
         for change, (quantity, part), values in channel.flexible():
@@ -223,7 +223,7 @@ class SenseLog:
         """How the readings scatter, and what robots reflect."""
         levels: list[Level | None] = []
         for channel, _, noise in found:
-            if isinstance(channel, Readings) and channel.name == "infrared":
+            if isinstance(channel, ReadingRows) and channel.name == "infrared":
                 both = [Scatter(channel, noise.left[:, 0], belief, part) for part in range(PARTS)]
                 levels += [one for one in both if one.enough]
         levels += self._targets[k : k + 1]
@@ -295,7 +295,7 @@ class SenseLog:
 
 def _times(channel: Channel) -> tuple[Rows, Rows]:
     """(windows,) block of time, and run, of each window."""
-    if isinstance(channel, Readings):
+    if isinstance(channel, ReadingRows):
         sight, at = channel.eye.sight, channel.moments
         return sight.run[at] * LONG + (sight.time[at] / BLOCK_SECONDS).astype(np.int64), sight.run[
             at

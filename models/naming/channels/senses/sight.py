@@ -24,6 +24,7 @@ from realitygap.models.log.held_out import parts
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.noise import PoseNoise, pose_noise
 from realitygap.models.naming.channels.senses.neighbours import Neighbours, around
+from realitygap.models.naming.channels.senses.path import Path
 from realitygap.models.naming.rules import Rules
 
 Bools = npt.NDArray[np.bool_]
@@ -84,6 +85,8 @@ class Sight:
     """(rows, 2) m/s and rad/s of the wheels as commanded."""
     states: Mapping[str, FloatArray] = field(default_factory=dict)
     """(rows,) 1 where the virtual sensor says so, by column; what is not logged is absent."""
+    path: Path | None = None
+    """Of all rows of the log; None: these rows are all there are."""
     rules: Rules = field(default_factory=Rules)
     """By which windows are cut, and how far neighbours matter."""
 
@@ -175,6 +178,7 @@ def look(
         neighbours=neighbours,
         commanded=commanded(log, model, rows),
         states=_states(log, rows),
+        path=Path(log=log, model=model, replayed=replayed, seen=seen or {}),
     )
 
 
