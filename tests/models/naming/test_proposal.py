@@ -53,7 +53,6 @@ def apart(
             coordinates=np.array([[value]]),
             covariance=np.array([[[open_by**2]]]),
             residual=np.empty((0, 3)),
-            held_out=np.empty((0, 3)),
         )
         for term, value in ((own, truth[1]), (other, at))
     ]
