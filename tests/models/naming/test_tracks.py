@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from realitygap.embedded_sim import Drive
+from realitygap.embedded_sim.errors import InputError
 from realitygap.models.belief.modelfile import read_model_file
 from realitygap.models.belief.motion import Motion
 from realitygap.models.log.measured import make_log
@@ -59,3 +60,11 @@ def test_the_tracks_of_some_robots_are_theirs_alone() -> None:
     errors = Problem(every, motions).residual((), np.zeros((3, 0)))
     theirs = Problem(some, [motions[0], motions[2]]).residual((), np.zeros((2, 0)))
     np.testing.assert_array_equal(theirs, errors[every.robot[every.window] != 1])
+
+
+def test_a_log_that_lies_outside_the_models_arena_is_refused_by_that() -> None:
+    frame = driven_log(5, robots=2, rows=300)
+    away = frame.assign(x=frame["x"] + 100.0)
+    file = read_model_file("epuck")
+    with pytest.raises(InputError, match=r"every pose beyond the wall of model 'e-puck'"):
+        cut_tracks(make_log(away, drive=file.motion().drive), file)

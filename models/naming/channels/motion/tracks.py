@@ -190,7 +190,7 @@ def cut_tracks(
             `LEAST_ROWS` of them.
 
     Raises:
-        InputError: no robot has a single window of free motion.
+        InputError: no robot has a single window of free motion; poses lie beyond the model's wall.
     """
     table = conditions(log, model) if table is None else table
     robots, who = np.unique(log.frame["robot"].to_numpy(dtype=np.int64), return_inverse=True)
@@ -203,7 +203,7 @@ def cut_tracks(
     cut = _windows(t, free[order], blocked, stretch, who[order], seconds, step, rules)
     rows, first, thinned = cut.rows, cut.first, len(cut.unused) > 0
     if not len(first):
-        raise InputError("log", "no stretch of free motion", "robots that move clear of contact")
+        raise _never_free(log, model)
     new = np.concatenate([[True], np.diff(segment) != 0])
     start = np.append(np.flatnonzero(new), len(t))
     noise = pose_noise(log, replay_log(log, model.point_model().drive))
@@ -257,6 +257,20 @@ def _pose_step(t: FloatArray, free: npt.NDArray[np.bool_], who: Rows, step: floa
     rows = np.flatnonzero(free)
     took = np.diff(t[rows])[np.diff(who[rows]) == 0]
     return max(step, float(np.median(took))) if len(took) else step
+
+
+def _never_free(log: MeasuredLog, model: ModelFile) -> InputError:
+    """Why no robot ever moves clear of contact."""
+    if model.arena is not None and log.tracked.any():
+        reach = model.arena.radius - model.robot.body_radius
+        out = float(np.mean(np.hypot(*log.poses[log.tracked, :2].T) > reach))
+        if out == 1.0:
+            return InputError(
+                "log",
+                f"every pose beyond the wall of model {model.name!r}",
+                f"poses within {reach:g} m of (0, 0), or a model of the place",
+            )
+    return InputError("log", "no stretch of free motion", "robots that move clear of contact")
 
 
 def _windows(
