@@ -28,7 +28,8 @@ from realitygap.models.naming.claims.prediction import MOTION, judged_windows, o
 SECONDS = ("1 s", "5 s", "20 s")
 """Horizons at which a prediction is judged, of `HORIZONS`."""
 MOST_WINDOWS = 60_000
-"""Windows of a log judged at each horizon, evenly over it: more sharpen nothing."""
+"""Windows of a log judged at each horizon, evenly over it: more sharpen nothing. No rule: it
+bounds the work."""
 
 Motions = Callable[[int, int], Motion]
 """(robot, part of the log that is judged) -> its motion."""

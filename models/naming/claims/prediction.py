@@ -36,7 +36,8 @@ from realitygap.models.naming.channels.senses.predicted import noise, noise_scal
 from realitygap.models.naming.channels.senses.sight import Sight, look
 
 BLOCK_SECONDS = 5.0
-"""s of one robot that are kept together for resampling, as elsewhere: longer than most contacts."""
+"""s of one robot that are kept together for resampling, as elsewhere: longer than most contacts.
+No rule, as all numbers here: they say where a gap is measured, not what is named."""
 SEEN = 20.0
 """counts that the first model must expect for an infrared reading to be judged: the wall is there.
 Our choice: four times the noise of a reading of nothing."""

@@ -15,23 +15,13 @@ from realitygap.models.naming.engine.gates import Gates
 from realitygap.models.naming.rules import Rules, listed
 from tests.helpers import ROOT
 
-FOLDERS = ("models/naming/", "models/identify/", "models/proposal/", "models/senses/")
-FILES = (
-    "models/naming/channels/motion/claims.py",
-    "models/naming/diagnosis.py",
-    "models/naming/claims/harm.py",
-    "models/naming/engine/information.py",
-    "models/naming/health/reference.py",
-    "models/naming/claims/written.py",
-)
 NOT = re.compile(r"\bNo rule\b")
 ALL = "No rule, as all numbers here"
 
 
 def modules() -> list[Path]:
-    folders = [sorted((ROOT / one).glob("*.py")) for one in FOLDERS]
-    every = (*(path for some in folders for path in some), *(ROOT / one for one in FILES))
-    return list(dict.fromkeys(every))
+    """All that naming is made of."""
+    return sorted((ROOT / "models" / "naming").rglob("*.py"))
 
 
 def unsaid(source: str) -> Iterator[str]:
