@@ -15,6 +15,7 @@ from realitygap.models.log.repertoire import manoeuvres
 from realitygap.models.naming.channels.motion.diagnose import diagnose as diagnose_motion
 from realitygap.models.naming.channels.senses.joined import WholeExamination, with_senses
 from realitygap.models.naming.diagnosis import as_json, extension
+from realitygap.models.naming.frame import in_the_models_frame
 from realitygap.models.naming.health.reference import Reference, read_reference, shipped_reference
 from realitygap.models.naming.health.senses import (
     SenseReference,
@@ -98,8 +99,12 @@ def _examined(
     scripted = manoeuvres(measured)
     healthy = _reference(request.reference, model.file, scripted)
     senses = _sense_reference(request.reference, model.file, scripted)
+    alike = healthy is not None and healthy.recorded_like(measured.recorder, measured.step)
     with withholding(request.without):
         begin("motion")
+        measured, placed = in_the_models_frame(
+            measured, model.file, model.tables, alike=alike, rules=rules
+        )
         motion = diagnose_motion(
             measured, model.file, healthy, rules=rules, seed=seed, name=model.label
         )
@@ -107,7 +112,12 @@ def _examined(
         examined = with_senses(motion, measured, model.tables, senses, seed=seed)
         begin("the next experiment")
         whole = with_proposal(examined, model.tables)
-    return replace(whole, diagnosis=replace(whole.diagnosis, names=measured.names))
+    said = replace(
+        whole.diagnosis,
+        names=measured.names,
+        preflight=(*whole.diagnosis.preflight, *placed),
+    )
+    return replace(whole, diagnosis=said)
 
 
 def _result(request: Request, log: Log, examined: WholeExamination) -> DiagnosisResult:

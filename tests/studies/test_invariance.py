@@ -68,3 +68,27 @@ def test_what_is_said_does_not_depend_on_how_a_table_is_written(
 def test_what_is_said_does_not_depend_on_when_time_began(name: str, seconds: float) -> None:
     log = frame(name)
     assert said(log.assign(t=log["t"] + seconds), "") == kept("", name)
+
+
+def test_where_a_tracker_has_its_origin_and_axes_changes_no_name() -> None:
+    log = frame(BOTH)
+    turn, x, y = np.radians(110.0), 2.0, -0.7
+    c, s = np.cos(turn), np.sin(turn)
+    there = log.assign(
+        x=c * log["x"] - s * log["y"] + x,
+        y=s * log["x"] + c * log["y"] + y,
+        yaw=(log["yaw"] + turn + np.pi) % (2 * np.pi) - np.pi,
+    )
+    found, usual = said(there, ""), kept("")
+    assert found["verdict"] == usual["verdict"]
+    assert [(one["name"], one["robots"]) for one in found["causes"]] == [
+        (one["name"], one["robots"]) for one in usual["causes"]
+    ]
+    entries = {one["name"]: one for one in found["log"]["preflight"]}
+    assert entries["frame_turn"]["follows"] == "repaired"
+    unseen = entries["frame_turn"]  # a log without light and nest does not show its turn
+    assert unseen["high"] - unseen["low"] > 6.0
+    assert entries["frame_x"]["value"] == pytest.approx(x, abs=0.005)
+    assert entries["frame_y"]["value"] == pytest.approx(y, abs=0.005)
+    usually = {one["name"]: one for one in usual["log"]["preflight"]}
+    assert usually["frame_turn"]["value"] is None
