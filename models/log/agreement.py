@@ -66,8 +66,12 @@ def disagreement(rows: Driven, reading: UnitReading) -> float | None:
     if step is None or not STEPS[0] <= step <= STEPS[1]:
         return None
     ahead = max(1, round(WINDOW / step))
+    if reading.half_sine and np.nanmax(np.abs(rows.poses[:, 2]), initial=0.0) > 1.0:
+        return None
     driven = rows.replayed(time=reading.time, command=reading.command)
     seen = rows.poses * [reading.length, reading.length, reading.angle]
+    if reading.half_sine:
+        seen[:, 2] = 2.0 * np.arcsin(seen[:, 2])
     if reading.mirrored:
         seen = seen * [1.0, -1.0, -1.0]
     first = np.arange(len(rows.t) - ahead)
@@ -94,7 +98,7 @@ def disagreement(rows: Driven, reading: UnitReading) -> float | None:
     # a unit is not right because in it there is next to nothing left to disagree about
     if reading.length != 1.0 and "place" not in parts:
         return None
-    if abs(reading.angle) != 1.0 and "heading" not in parts:
+    if (reading.half_sine or abs(reading.angle) != 1.0) and "heading" not in parts:
         return None
     return max(parts.values()) if parts else None
 

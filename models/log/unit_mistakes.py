@@ -24,6 +24,8 @@ class UnitReading:
     """Multiplies, as the others that are no words."""
     length: float = 1.0
     angle: float = 1.0
+    half_sine: bool = False
+    """The yaw is the sine of half of it, as a quaternion's z is."""
     mirrored: bool = False
     command: float = 1.0
 
@@ -57,6 +59,13 @@ def mistakes(drive: Drive) -> list[UnitReading]:
         UnitReading(seen, fix, angle=angle, mirrored=mirrored)
         for seen, fix, angle, mirrored in angles
     ]
+    single.append(
+        UnitReading(
+            "yaw looks like the z of a quaternion",
+            'radians: import it with yaw = { quaternion = ["qx", "qy", "qz", "qw"] }',
+            half_sine=True,
+        )
+    )
     commands = [
         ("degrees per second", "rad/s", degree),
         ("metres per second of each wheel", "rad/s: divide by the wheel's radius", 1 / radius),

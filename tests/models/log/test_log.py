@@ -78,6 +78,7 @@ UNITS = {
     "yaw looks like degrees ": {"yaw": lambda v: np.degrees(v) % 360},
     "yaw looks clockwise": {"yaw": lambda v: -v},
     "clockwise degrees": {"yaw": lambda v: -np.degrees(v)},
+    "yaw looks like the z of a quaternion": {"yaw": lambda v: np.sin(v / 2)},
     "mirrored": {"yaw": lambda v: -v, "y": lambda v: -v},
     "degrees per second": dict.fromkeys(["cmd_left", "cmd_right"], np.degrees),
     "metres per second": dict.fromkeys(["cmd_left", "cmd_right"], lambda v: v * 0.0205),
