@@ -57,7 +57,7 @@ ALONE: dict[tuple[str, ...], tuple[str, ...]] = {
 }
 """What cannot be told from a frame that only one witness shows."""
 SPEAKS = 0.25
-"""Of its loss, that some witness must lose: less, a sensor's gain or a table's error takes off, too.
+"""Of its loss, that some witness must lose: a sensor's gain or a table's error takes off less.
 No rule: a frame turned by ten degrees takes off more than half."""
 NORMAL = 1.96
 """Standard deviations on each side of a 95 % interval. No rule: of statistics."""
