@@ -1,9 +1,9 @@
 """What the sensors read against what the point model says they should.
 
 Sensors are predicted where the tracker saw the robot. Its noise matters next to a wall, where a
-millimetre is many counts, so the pose is first averaged over nine rows, each carried to the middle
-one by the replayed motion; and the prediction is the mean over what is left of the noise (six sigma
-points), of readings clipped as the converter clips them.
+millimetre is many counts, so the pose is first averaged over a third of a second, each carried to
+the middle one by the replayed motion; and the prediction is the mean over what is left of the noise
+(six sigma points), of readings clipped as the converter clips them.
 """
 
 from __future__ import annotations
@@ -23,8 +23,13 @@ from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.noise import PoseNoise
 from realitygap.models.log.schema import CASES, LS, PS
 
-HALF = 4
-"""Rows averaged on each side: 0.36 s at 25 Hz, over which a replay hardly drifts."""
+AROUND = 0.16
+"""s on each side over which poses are averaged at most: a replay hardly drifts in it."""
+DRIFT = 1.5
+"""Times the tracker's noise by which poses may scatter that a replay carries, and be averaged: where
+a log misses commands, it carries them nowhere."""
+NORMAL = 1.4826
+"""Standard deviations of a normal variable in its median absolute one."""
 SPACING = 0.4
 """s between the rows that are judged, at least: no pose measurement enters two of them."""
 QUANTISATION = 1.0 / 12.0
@@ -42,26 +47,60 @@ class Predicted(NamedTuple):
 
 def judged_rows(log: MeasuredLog) -> npt.NDArray[np.int64]:
     """Rows so far apart that their averaged poses share no measurement."""
-    length = max(SPACING, (2 * HALF + 1) * log.step)
+    length = max(SPACING, (2 * _most_around(log) + 1) * log.step)
     return windows(log, length, apart=True).first
 
 
+def _most_around(log: MeasuredLog) -> int:
+    """Rows on each side that lie within `AROUND`."""
+    return int(AROUND / log.step + 1e-9)
+
+
+def rows_around(log: MeasuredLog, replayed: FloatArray, noise: PoseNoise) -> int:
+    """Rows on each side over which poses can be averaged: as many as a replay carries well.
+
+    Args:
+        log: Measured.
+        replayed: (rows, 3) its commands through the model.
+        noise: Of its tracker.
+    """
+    rows = np.flatnonzero(log.tracked)
+    usual = np.sqrt(2.0) * noise.position
+    for half in range(1, _most_around(log) + 1):
+        for offset in (-half, half):
+            difference, ok = _carried(log, replayed, rows, offset)
+            off = difference[ok, :2]
+            if len(off) and NORMAL * np.median(np.abs(off)) > DRIFT * usual:
+                return half - 1
+    return _most_around(log)
+
+
 def averaged_poses(
-    log: MeasuredLog, replayed: FloatArray, rows: npt.NDArray[np.int64]
+    log: MeasuredLog, replayed: FloatArray, rows: npt.NDArray[np.int64], half: int
 ) -> tuple[FloatArray, npt.NDArray[np.int64]]:
-    """(rows, 3) poses averaged over the rows around, and how many measurements each is made of."""
-    poses = log.poses
+    """(rows, 3) poses averaged over `half` rows on each side, and how many measurements each is
+    made of."""
     total = np.zeros((len(rows), 3))
     count = np.zeros(len(rows), dtype=np.int64)
-    for offset in range(-HALF, HALF + 1):
-        other = np.clip(rows + offset, 0, len(log.t) - 1)
-        ok = (log.stretch[other] == log.stretch[rows]) & log.tracked[other]
-        carried = _carried(poses, replayed, Windows(other, rows))
-        difference = carried - poses[rows]
-        difference[:, 2] = wrapped(difference[:, 2])
+    for offset in range(-half, half + 1):
+        difference, ok = _carried(log, replayed, rows, offset)
         total += np.where(ok[:, None], difference, 0.0)
         count += ok
-    return poses[rows] + total / np.maximum(count, 1)[:, None], count
+    return log.poses[rows] + total / np.maximum(count, 1)[:, None], count
+
+
+def _carried(
+    log: MeasuredLog, replayed: FloatArray, rows: npt.NDArray[np.int64], offset: int
+) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+    """(rows, 3) poses some rows away, moved there by the replay, less those there; and whether
+    both were measured."""
+    poses = log.poses
+    other = np.clip(rows + offset, 0, len(log.t) - 1)
+    ok = (log.stretch[other] == log.stretch[rows]) & log.tracked[other]
+    pairs = Windows(other, rows)
+    difference = moved(poses[pairs.first], motion(replayed, pairs)) - poses[rows]
+    difference[:, 2] = wrapped(difference[:, 2])
+    return difference, ok
 
 
 def predict(
@@ -118,11 +157,6 @@ def scenarios(log: MeasuredLog) -> npt.NDArray[np.int32]:
         return np.full(len(log.t), -1, dtype=np.int32)
     index = log.frame["case"].map(CASES).fillna(-1)
     return np.ascontiguousarray(index.to_numpy(), dtype=np.int32)
-
-
-def _carried(poses: FloatArray, replayed: FloatArray, pairs: Windows) -> FloatArray:
-    """(n, 3) the measured pose at each pair's first row, moved to its last row by the replay."""
-    return moved(poses[pairs.first], motion(replayed, pairs))
 
 
 def _expected(

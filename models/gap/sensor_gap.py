@@ -23,6 +23,7 @@ from realitygap.models.gap.sensing import (
     judged_rows,
     measured,
     predict,
+    rows_around,
     scenarios,
 )
 from realitygap.models.gap.shares import Share, split
@@ -78,7 +79,7 @@ def sensor_gap(
     rows = judged_rows(log)
     if not len(rows):
         return []
-    poses, count = averaged_poses(log, replayed, rows)
+    poses, count = averaged_poses(log, replayed, rows, rows_around(log, replayed, noise))
     poses = poses_as_stood(log, model, rows, poses, seen)
     predicted = predict(log, model, poses, count, rows, noise, own)
     there = table.iloc[rows].reset_index(drop=True)

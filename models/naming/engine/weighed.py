@@ -27,7 +27,8 @@ class Weighed:
     def __init__(self, state: State) -> None:
         self.state = state
         names = state.robots[0].names
-        self.prior, common = state.health.on(names, state.rules)
+        healthy, common = state.health.on(names, state.rules)
+        self.prior = _wider(healthy, np.array([state.between.get(name, 0.0) for name in names]))
         recorded = np.array([state.unsure.get(name, 0.0) for name in names])
         self._shared: FloatArray = np.hypot(common, recorded)
         self.alone = [self._alone(k) for k in range(len(state.robots))]
@@ -101,6 +102,14 @@ class Weighed:
         return freed(score, self._columns(k, flexible=flexible))
 
 
+def _wider(prior: Prior, between: FloatArray) -> Prior:
+    """A prior with more spread, (k,) standard deviations by column, of robots."""
+    extra = between[prior.at] ** 2
+    if not extra.any():
+        return prior
+    return prior._replace(root=root_of(prior.root @ prior.root.T + np.diag(extra)))
+
+
 def _feigning(prior: Prior, state: State, k: int) -> Prior:
     """A prior with what rough causes of a robot make other causes seem."""
     rough = [
@@ -117,5 +126,7 @@ def _feigning(prior: Prior, state: State, k: int) -> Prior:
         for i, c in enumerate(prior.at):
             called = names[c]
             key = called.partition(".")[0].partition("/")[0] if "." in called else called
-            extra[i] += cause.feigns.get(key, 0.0) ** 2
-    return prior._replace(root=root_of(prior.root @ prior.root.T + np.diag(extra)))
+            extra[i] = np.hypot(extra[i], cause.feigns.get(key, 0.0))
+    between = np.zeros(len(names))
+    between[prior.at] = extra
+    return _wider(prior, between)

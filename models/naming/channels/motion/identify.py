@@ -17,6 +17,7 @@ from realitygap.models.naming.channels.motion.recording import unsure
 from realitygap.models.naming.channels.motion.robot import robots_of
 from realitygap.models.naming.channels.motion.tracks import Tracks
 from realitygap.models.naming.channels.motion.twins import Twins, tell_apart
+from realitygap.models.naming.engine.differing import differing
 from realitygap.models.naming.engine.fitter import Fitter
 from realitygap.models.naming.engine.gates import Gates
 from realitygap.models.naming.engine.hypothesis import Term
@@ -83,6 +84,8 @@ def _of_free(
     robots = tuple(robots_of(tracks, base))
     unsure_of = unsure(tracks.step, robots[0].names, tracks.rules) if foreign else {}
     start = State(tracks, base, robots, reference.learned, unsure=unsure_of)
+    if foreign:
+        start = differing(start)
     names = start.robots[0].names
     known = reference.knows(names)
     gates = reference.gates.under(tracks.rules).of(len(tracks.first))

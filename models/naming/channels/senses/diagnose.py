@@ -23,7 +23,7 @@ from realitygap.models.naming.channels.senses.identify import SensesFound, by_pa
 from realitygap.models.naming.channels.senses.leap import elsewhere, far_lamps
 from realitygap.models.naming.channels.senses.leftover import leftover
 from realitygap.models.naming.channels.senses.nest import Answers, answers
-from realitygap.models.naming.channels.senses.robot import LATE, TARGETS, SenseLog
+from realitygap.models.naming.channels.senses.robot import TARGETS, SenseLog
 from realitygap.models.naming.channels.senses.sight import Rows, Sight, look
 from realitygap.models.naming.channels.senses.terms import Doses
 from realitygap.models.naming.channels.senses.unmeasured import unmeasured
@@ -96,14 +96,13 @@ def diagnose_senses(
         return SenseExamination(not_checked=tuple(missing))
     sight = look(log, model, seen, moved=moved, rules=rules) if judged else None
     robots = sense_log(stood, model, healthy, sight, part, believed or {}, rules)
-    late = {} if alike else {LATE: log.step}
     own = _believed(robots.robots, model, believed or {})
     begun = None
     if sight is not None:
         begun = elsewhere(
             sight, model, _believed(sight.robots, model, believed or {}), robots.doses
         )
-    found = identify(robots, healthy, own, unsure=late, begun=begun)
+    found = identify(robots, healthy, own, alike=alike, begun=begun)
     missing += _uncrossed(found)
     missing += unmeasured(found.state.robots[0].names, found.state.items, healthy)
     return SenseExamination(

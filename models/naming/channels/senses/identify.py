@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,8 +11,9 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.senses import Belief
 from realitygap.models.log.held_out import PARTS
 from realitygap.models.naming.channels.motion.fitted import Values
-from realitygap.models.naming.channels.senses.robot import SenseLog, SenseRobot
+from realitygap.models.naming.channels.senses.robot import LATE, SenseLog, SenseRobot
 from realitygap.models.naming.channels.senses.terms import NO_COMMANDS
+from realitygap.models.naming.engine.differing import differing
 from realitygap.models.naming.engine.fitter import Fitter
 from realitygap.models.naming.engine.gates import Gates
 from realitygap.models.naming.engine.hypothesis import Term
@@ -26,6 +27,7 @@ from realitygap.models.naming.engine.value import values
 from realitygap.models.naming.engine.weighed import Weighed
 from realitygap.models.naming.findings import Follows, Named
 from realitygap.models.naming.health.senses import SenseReference
+from realitygap.models.naming.rules import Rules
 from realitygap.models.naming.verdict import Judged, evidence_of, following, settle, standing
 
 
@@ -54,7 +56,7 @@ def identify(
     reference: SenseReference,
     believed: Sequence[Belief],
     *,
-    unsure: Mapping[str, float] | None = None,
+    alike: bool = True,
     begun: tuple[Term, FloatArray] | None = None,
 ) -> SensesFound:
     """Name what is wrong with the senses of the whole swarm, of each robot, and with the place.
@@ -63,12 +65,14 @@ def identify(
         log: Of at least one robot.
         reference: What healthy robots do.
         believed: Of each robot.
-        unsure: As of `State`.
+        alike: Whether the log was recorded as those of the reference were.
         begun: A cause of the place, with its coordinates, that the search begins with.
     """
     base = tuple(believed)
     robots = tuple(log.at(range(len(base)), base))
-    start = State(log, base, robots, reference.learned, unsure=unsure or {})
+    start = State(log, base, robots, reference.learned)
+    if not alike:
+        start = differing(replace(start, unsure=unsure(log.step, robots[0].names, log.rules)))
     if begun is not None:
         term, place = begun
         item = next(one for one in start.items if one.term == term and one.dose is None)
@@ -94,6 +98,19 @@ def identify(
         away=away(weighed),
         least=least_seen(weighed, gates, known),
     )
+
+
+def unsure(step: float, names: Sequence[str], rules: Rules) -> dict[str, float]:
+    """By name of a column, the standard deviation with which it is believed to be null of a swarm
+    whose recording is unknown: poses up to a row late, which make readings scatter otherwise.
+
+    Args:
+        step: s between rows.
+        names: Of the columns that there are.
+        rules: How sure one is.
+    """
+    scattered = [name for name in names if name.startswith(("ir_noise", "infrared/noise/"))]
+    return {LATE: step} | dict.fromkeys(scattered, rules.record_dose)
 
 
 def _named(state: State, scope: int, judged: Judged, known: Mask) -> list[Named]:

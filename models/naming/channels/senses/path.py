@@ -25,7 +25,9 @@ class Path:
     log: MeasuredLog
     model: PointModel
     replayed: FloatArray
-    """(rows of the log, 3), along which poses are averaged."""
+    """(rows of the log, 3), along which poses are averaged,"""
+    half: int
+    """rows on each side."""
     seen: Mapping[int, tuple[Motion, Motion]]
     """As of `look`."""
 
@@ -54,6 +56,6 @@ class Path:
     @cached_property
     def poses(self) -> FloatArray:
         """(rows, 3) m, m, rad."""
-        poses, _ = averaged_poses(self.log, self.replayed, self.rows)
+        poses, _ = averaged_poses(self.log, self.replayed, self.rows, self.half)
         stood = poses_as_stood(self.log, self.model, self.rows, poses, self.seen)
         return np.ascontiguousarray(stood)

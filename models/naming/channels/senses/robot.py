@@ -164,6 +164,7 @@ class SenseLog:
             rules: What naming is tuned to.
         """
         self.rules = rules
+        self.step = log.step
         self.sight, self.model, self.doses = sight, model, doses or {}
         self.robots = tuple(int(r) for r in np.unique(log.frame["robot"].to_numpy(dtype=np.int64)))
         self._part = of_log

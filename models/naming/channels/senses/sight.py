@@ -17,7 +17,7 @@ from realitygap.embedded_sim import SENSORS, PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
 from realitygap.models.gap.believed import replay_believed
-from realitygap.models.gap.sensing import averaged_poses, measured, scenarios
+from realitygap.models.gap.sensing import averaged_poses, measured, rows_around, scenarios
 from realitygap.models.gap.stood import commanded, poses_as_stood
 from realitygap.models.log.blocks import nth
 from realitygap.models.log.held_out import parts
@@ -149,7 +149,8 @@ def look(
     tick = np.round((log.t - log.t.min()) / log.step).astype(np.int64)
     rows = tracked[tick[tracked] % stride == 0]
     rows = rows[np.argsort(robot_of[rows], kind="stable")]
-    poses, count = averaged_poses(log, replayed, rows)
+    half = rows_around(log, replayed, noise)
+    poses, count = averaged_poses(log, replayed, rows, half)
     ids, who = np.unique(robot_of[rows], return_inverse=True)
     poses = poses_as_stood(log, model, rows, poses, seen or {})
     scenario = np.ascontiguousarray(scenarios(log)[rows])
@@ -178,7 +179,7 @@ def look(
         neighbours=neighbours,
         commanded=commanded(log, model, rows),
         states=_states(log, rows),
-        path=Path(log=log, model=model, replayed=replayed, seen=seen or {}),
+        path=Path(log=log, model=model, replayed=replayed, half=half, seen=seen or {}),
     )
 
 

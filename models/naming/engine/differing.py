@@ -1,0 +1,61 @@
+"""By how much the robots of one log differ, where its recording is not the reference's.
+
+Rows that miss commands, filters and other engines make robots look unlike each other that are not:
+each meets them as it drives. How much was never measured beforehand, but the log shows it: most
+robots of a swarm are sound. What makes most of them differ by more than health does is a further
+random effect, found one at a time, the most conspicuous first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import binom, chi2
+
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.naming.engine.marginal import EMPTY
+from realitygap.models.naming.engine.state import State
+from realitygap.models.naming.engine.weighed import Weighed
+
+MOST = 20
+"""Random effects that are looked for. No rule: a limit of iterations."""
+
+
+def differing(state: State) -> State:
+    """The state with the variance between robots that its own log shows.
+
+    Of n robots the gain that the (n // 2 + 1)-th exceeds is compared with chance, so that up to
+    half of the robots less one may be ill.
+    """
+    robots = len(state.robots)
+    if robots < state.rules.least_swarm:
+        return state
+    most = robots // 2 + 1
+    names = state.robots[0].names
+    for _ in range(MOST):
+        weighed = Weighed(state)
+        gain, size = _gains(weighed)
+        level = np.sort(gain, axis=0)[robots - most]
+        chance = binom.sf(most - 1, robots, chi2.sf(level, 1))
+        eligible = np.isin(np.arange(len(names)), weighed.prior.at)
+        chance = np.where(eligible & (level > 0.0), chance, 1.0)
+        worst = int(np.argmin(chance))
+        if chance[worst] >= state.rules.chance:
+            break
+        usual = chi2.isf((most - 0.5) / robots, 1)  # what of sound robots exceeds as often
+        extra = (level[worst] / usual - 1.0) / float(np.median(size[:, worst]))
+        before = state.between.get(names[worst], 0.0)
+        state = replace(
+            state,
+            between={**state.between, names[worst]: float(np.hypot(before, np.sqrt(extra)))},
+        )
+    return state
+
+
+def _gains(weighed: Weighed) -> tuple[FloatArray, FloatArray]:
+    """(robots, k) deviance that each column takes off each robot, and its information."""
+    scores = [weighed.score(k) for k in range(len(weighed.alone))]
+    size = np.array([np.diag(one.information) for one in scores])
+    slope = np.array([one.slope for one in scores])
+    return np.where(size > EMPTY, slope**2 / np.maximum(size, EMPTY), 0.0), size
