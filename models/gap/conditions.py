@@ -14,11 +14,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
-from scipy.spatial import cKDTree
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.log.measured import MeasuredLog
+from realitygap.models.log.others import others
 
 QUANTILE_BINS = 5
 TIME_BINS = 6
@@ -28,7 +28,7 @@ NEAR_WALL = 0.02
 NEAR_ROBOT = 0.026
 """m between bodies: centres of two e-pucks within 96 mm, where contact disturbs motion."""
 FAR = 1.0
-"""m: other robots beyond this are not looked for."""
+"""m: other robots beyond this do not count."""
 
 Groups = npt.NDArray[np.int64]
 
@@ -86,18 +86,10 @@ def nearest_robot(log: MeasuredLog) -> FloatArray:
     """(rows,) m to the nearest other robot's centre at that moment; inf beyond `FAR`."""
     distance = np.full(len(log.t), np.inf)
     rows = np.flatnonzero(log.tracked)
-    if len(np.unique(log.frame["robot"])) < 2 or len(rows) < 2:
-        return distance
-    tick = np.round((log.t - log.t.min()) / log.step)
-    run = np.unique(log.frame["run"].astype(str), return_inverse=True)[1]
-    apart = 4 * FAR  # ticks and runs lie further apart than any pair that counts
-    place = np.column_stack([log.poses[:, :2], apart * tick, apart * run])[rows]
-    # one row per robot and tick, so that of the two nearest at most one is the robot's own
-    robot, tick = log.segment[rows], tick[rows]
-    one = np.append(True, (np.diff(robot) != 0) | (np.diff(tick) != 0))
-    found, which = cKDTree(place[one]).query(place, k=2, distance_upper_bound=FAR)
-    own = np.append(robot[one], -1)[which] == robot[:, None]
-    distance[rows] = np.where(own, np.inf, found).min(axis=1)
+    place = log.poses[rows, :2]
+    for _, at, there in others(log, rows):
+        away = np.hypot(*(there - place[at]).T)
+        distance[rows[at]] = np.fmin(distance[rows[at]], np.where(away < FAR, away, np.inf))
     return distance
 
 

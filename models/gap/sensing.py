@@ -26,8 +26,8 @@ from realitygap.models.log.schema import CASES, LS, PS
 AROUND = 0.16
 """s on each side over which poses are averaged at most: a replay hardly drifts in it."""
 DRIFT = 1.5
-"""Times the tracker's noise by which poses may scatter that a replay carries, and be averaged: where
-a log misses commands, it carries them nowhere."""
+"""Times the tracker's noise by which poses that a replay carries may scatter and still be averaged:
+where a log misses commands, it carries them nowhere."""
 NORMAL = 1.4826
 """Standard deviations of a normal variable in its median absolute one."""
 SPACING = 0.4

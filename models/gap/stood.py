@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 
 import numpy as np
 
 from realitygap.embedded_sim import PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
-from realitygap.models.log.frames import Rows
+from realitygap.models.gap.replay import replay_log
+from realitygap.models.log.frames import Rows, Windows, motion, moved
 from realitygap.models.log.measured import MeasuredLog
 
 
@@ -23,32 +25,7 @@ def poses_as_stood(
     """(rows, 3) the robots' own poses at rows of a log, out of measured ones; `seen` as `look`."""
     robot = log.frame["robot"].to_numpy(dtype=np.int64)[rows]
     since = log.t[rows] - log.t[0]
-    velocity = _velocity(commanded(log, model, rows), poses)
-    return _as_stood(poses, velocity, since, robot, seen)
-
-
-def commanded(log: MeasuredLog, model: PointModel, rows: Rows) -> FloatArray:
-    """(rows, 2) m/s and rad/s of the wheels as commanded."""
-    drive = model.drive
-    rim = log.commands[rows] * np.array(drive.wheel_radius)
-    return np.column_stack([rim.mean(axis=1), (rim[:, 1] - rim[:, 0]) / drive.axle])
-
-
-def _velocity(commanded: FloatArray, poses: FloatArray) -> FloatArray:
-    """(rows, 3) m/s, m/s, rad/s in the arena's frame."""
-    speed, yaw = commanded[:, 0], poses[:, 2]
-    return np.column_stack([speed * np.cos(yaw), speed * np.sin(yaw), commanded[:, 1]])
-
-
-def _as_stood(
-    poses: FloatArray,
-    velocity: FloatArray,
-    since: FloatArray,
-    robot: Rows,
-    seen: Mapping[int, tuple[Motion, Motion]],
-) -> FloatArray:
-    """Poses of the robots themselves, where their markers are known to sit askew or be late."""
-    result = poses.copy()
+    result, late = poses.copy(), np.zeros(len(rows))
     for name, (healthy, found) in seen.items():
         mine = robot == name
         result[mine, :2] *= healthy.pose_scale / found.pose_scale
@@ -58,7 +35,27 @@ def _as_stood(
         result[mine, 0] -= c * ahead - s * left
         result[mine, 1] -= s * ahead + c * left
         result[mine, 2] = yaw
-        late = found.pose_delay - healthy.pose_delay
-        late = late + (found.clock_rate - healthy.clock_rate) * since[mine]
-        result[mine] += late[:, None] * velocity[mine]
-    return result
+        rate = found.clock_rate - healthy.clock_rate
+        late[mine] = found.pose_delay - healthy.pose_delay + rate * since[mine]
+    return moved(result, _since(log, model, rows, late)) if late.any() else result
+
+
+def _since(log: MeasuredLog, model: PointModel, rows: Rows, late: FloatArray) -> FloatArray:
+    """(rows, 3) m, m, rad by which commands moved a robot in the `late` (rows,) s after a row."""
+    path = replay_log(log, model.drive)
+    there = path[rows].copy()
+    segment = log.segment[rows]
+    for k, (begin, end) in enumerate(pairwise(log.start.tolist())):
+        mine = segment == k
+        at, t = log.t[rows[mine]] + late[mine], log.t[begin:end]
+        there[mine] = np.column_stack([np.interp(at, t, path[begin:end, i]) for i in range(3)])
+    both = np.concatenate([path[rows], there])
+    first = np.arange(len(rows))
+    return motion(both, Windows(first, first + len(rows)))
+
+
+def commanded(log: MeasuredLog, model: PointModel, rows: Rows) -> FloatArray:
+    """(rows, 2) m/s and rad/s of the wheels as commanded."""
+    drive = model.drive
+    rim = log.commands[rows] * np.array(drive.wheel_radius)
+    return np.column_stack([rim.mean(axis=1), (rim[:, 1] - rim[:, 0]) / drive.axle])

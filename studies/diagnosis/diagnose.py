@@ -25,6 +25,7 @@ from realitygap.models.naming.health.senses import (
 )
 from realitygap.models.naming.proposal.propose import with_proposal
 from realitygap.models.naming.rules import Rules
+from realitygap.models.naming.strangers import without_strangers
 from realitygap.studies.diagnosis.next_experiment import commands
 from realitygap.studies.diagnosis.request import Request
 from realitygap.studies.diagnosis.result import FILE, DiagnosisResult
@@ -105,6 +106,10 @@ def _examined(
         measured, placed = in_the_models_frame(
             measured, model.file, model.tables, alike=alike, rules=rules
         )
+        if model.file.arena is not None:
+            point = model.file.point_model(model.tables)
+            measured, strangers = without_strangers(measured, point)
+            placed = (*placed, *strangers)
         motion = diagnose_motion(
             measured, model.file, healthy, rules=rules, seed=seed, name=model.label
         )

@@ -41,7 +41,7 @@ class State:
     """By name of a column, standard deviation of what the recording of the log adds to what robots
     share."""
     between: Mapping[str, float] = field(default_factory=dict)
-    """By name of a column, standard deviation of what robots of this log differ by beyond health."""
+    """By name of a column, standard deviation by which robots of this log differ beyond health."""
     refused: frozenset[tuple[int, str]] = frozenset()
     """Scopes with keys of items that are not kept there."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +10,7 @@ import numpy.typing as npt
 from realitygap.embedded_sim import PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.log.measured import MeasuredLog
+from realitygap.models.log.others import others
 
 Bools = npt.NDArray[np.bool_]
 Rows = npt.NDArray[np.int64]
@@ -82,26 +82,9 @@ class Neighbours:
 
 
 def around(log: MeasuredLog, rows: Rows) -> Neighbours:
-    """The others at the moment of each row, as the tracker saw them; where it lost one of them,
-    between where it was seen before and after."""
-    robots, who = np.unique(log.frame["robot"].to_numpy(dtype=np.int64), return_inverse=True)
-    run = np.unique(log.frame["run"].astype(str), return_inverse=True)[1]
-    tick = np.round((log.t - log.t.min()) / log.step).astype(np.int64)
-    moment = np.unique(run * (tick.max() + 2) + tick, return_inverse=True)[1]
-    table = np.full((int(moment.max()) + 1, len(robots), 2), FAR)
-    table[moment, who] = _places(log)
-    place = table[moment[rows]]
-    place[np.arange(len(rows)), who[rows]] = FAR
+    """The others at the moment of each row."""
+    robots, who = np.unique(log.segments["robot"].to_numpy(dtype=np.int64), return_inverse=True)
+    place = np.full((len(rows), len(robots), 2), FAR)
+    for robot, at, there in others(log, rows):
+        place[at, who[robot]] = there
     return Neighbours(place)
-
-
-def _places(log: MeasuredLog) -> FloatArray:
-    """(rows, 2) m where robots were seen, or between; `FAR` where never."""
-    poses, found = log.poses, np.full((len(log.t), 2), FAR)
-    for begin, end in pairwise(log.start.tolist()):
-        seen = begin + np.flatnonzero(log.tracked[begin:end])
-        if len(seen):
-            for axis in range(2):
-                there = poses[seen, axis]
-                found[begin:end, axis] = np.interp(log.t[begin:end], log.t[seen], there)
-    return found

@@ -14,8 +14,7 @@ from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.naming.channels.senses.sight import BLOCK_SECONDS, Rows
 
 SURELY_SEEN = 1e-4
-"""m: least error of where a robot crossed the nest's edge; the poses are the sensor's own.
-No rule: it keeps a ratio finite."""
+"""m: least error of where a robot crossed the nest's edge. No rule: it keeps a ratio finite."""
 
 
 class Answers(NamedTuple):
@@ -65,13 +64,14 @@ class Crossings:
 
     name, kinds = "nest", ("nest",)
 
-    def __init__(self, seen: Answers, robot: int, model: PointModel) -> None:
+    def __init__(self, seen: Answers, robot: int, model: PointModel, noise: float = 0.0) -> None:
         """Prepare.
 
         Args:
             seen: The log's answers.
             robot: Id.
             model: Whose nest.
+            noise: m, of the tracker's positions.
         """
         mine = seen.robot == robot
         pair = mine[:-1] & mine[1:] & (np.diff(seen.rows) == 1) & (np.diff(seen.run) == 0)
@@ -81,7 +81,7 @@ class Crossings:
         self.window = self.first = np.arange(len(at))
         deep = [self._depth(end, Belief()) for end in self._ends]
         wide = np.abs(deep[0] - deep[1]) / np.sqrt(12.0)  # anywhere between the two
-        self.sd = np.maximum(wide, SURELY_SEEN)
+        self.sd = np.maximum(np.hypot(wide, noise), SURELY_SEEN)
 
     def _depth(self, place: FloatArray, belief: Belief) -> FloatArray:
         x, y, radius = belief.of(self._model).nest

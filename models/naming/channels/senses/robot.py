@@ -11,8 +11,10 @@ import numpy as np
 from realitygap.embedded_sim import PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.senses import Belief, SenseCause
+from realitygap.models.gap.replay import replay_log
 from realitygap.models.log.held_out import PARTS
 from realitygap.models.log.measured import MeasuredLog
+from realitygap.models.log.noise import pose_noise
 from realitygap.models.naming.channels.motion.noise import Noise, learn
 from realitygap.models.naming.channels.senses.channel import Channel, Part
 from realitygap.models.naming.channels.senses.levels import Level, Scatter, targets
@@ -179,7 +181,8 @@ class SenseLog:
         seen = answers(log)
         self._nest: list[Crossings] = []
         if seen is not None:
-            self._nest = [Crossings(seen, robot, model) for robot in self.robots]
+            noise = pose_noise(log, replay_log(log, model.drive)).position
+            self._nest = [Crossings(seen, robot, model, noise) for robot in self.robots]
 
     def part(self, one: Part) -> Rows:
         """(n,) part of the log of each row of a channel, -1 where it is of neither."""
