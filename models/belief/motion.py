@@ -27,6 +27,8 @@ class Motion:
     """s by which the stamps of poses come later per s since the log began; negative: earlier."""
     smear: float = 0.0
     """s^2, variance of the times over which a pose is an average."""
+    pose_lag: float = 0.0
+    """s, time constant of a causal first-order filter that poses went through."""
     pose_scale: float = 1.0
     """Measured distances over true ones."""
     yaw_offset: float = 0.0

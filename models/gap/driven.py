@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from scipy.signal import lfilter
 
 from realitygap.embedded_sim import Drive, replay
 from realitygap.embedded_sim.model import FloatArray
@@ -65,9 +66,9 @@ def recorded(t: FloatArray, path: FloatArray, cut: Rows, motion: Motion) -> Floa
         t: (rows,) s.
         path: (rows, 3), each segment by itself.
         cut: (segments + 1,) first row of each segment, and the row count.
-        motion: Whose `clock_rate` and `smear`.
+        motion: Whose `clock_rate`, `smear` and `pose_lag`.
     """
-    if not motion.clock_rate and not motion.smear:
+    if not motion.clock_rate and not motion.smear and not motion.pose_lag:
         return path
     found = path.copy()
     for begin, end in pairwise(cut.tolist()):
@@ -83,6 +84,10 @@ def recorded(t: FloatArray, path: FloatArray, cut: Rows, motion: Motion) -> Floa
             rounds = max(1, int(np.ceil(share / WIDEST)))
             for _ in range(rounds):
                 own[1:-1] += share / rounds * (own[2:] - 2.0 * own[1:-1] + own[:-2])
+        if motion.pose_lag:
+            step = (at[-1] - at[0]) / (len(at) - 1)
+            kept = float(np.exp(-step / motion.pose_lag))
+            own[:] = own[0] + lfilter([1.0 - kept], [1.0, -kept], own - own[0], axis=0)
     return found
 
 

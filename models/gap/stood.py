@@ -10,6 +10,7 @@ import numpy as np
 from realitygap.embedded_sim import PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
+from realitygap.models.gap.driven import recorded
 from realitygap.models.gap.replay import replay_log
 from realitygap.models.log.frames import Rows, Windows, motion, moved
 from realitygap.models.log.measured import MeasuredLog
@@ -25,7 +26,7 @@ def poses_as_stood(
     """(rows, 3) the robots' own poses at rows of a log, out of measured ones; `seen` as `look`."""
     robot = log.frame["robot"].to_numpy(dtype=np.int64)[rows]
     since = log.t[rows] - log.t[0]
-    result, late = poses.copy(), np.zeros(len(rows))
+    result, late, lag = poses.copy(), np.zeros(len(rows)), 0.0
     for name, (healthy, found) in seen.items():
         mine = robot == name
         result[mine, :2] *= healthy.pose_scale / found.pose_scale
@@ -37,19 +38,26 @@ def poses_as_stood(
         result[mine, 2] = yaw
         rate = found.clock_rate - healthy.clock_rate
         late[mine] = found.pose_delay - healthy.pose_delay + rate * since[mine]
-    return moved(result, _since(log, model, rows, late)) if late.any() else result
+        lag = max(lag, found.pose_lag)
+    if not late.any() and not lag:
+        return result
+    return moved(result, _since(log, model, rows, late, lag))
 
 
-def _since(log: MeasuredLog, model: PointModel, rows: Rows, late: FloatArray) -> FloatArray:
-    """(rows, 3) m, m, rad by which commands moved a robot in the `late` (rows,) s after a row."""
+def _since(
+    log: MeasuredLog, model: PointModel, rows: Rows, late: FloatArray, lag: float
+) -> FloatArray:
+    """(rows, 3) m, m, rad by which commands moved a robot from where a tracker has it, whose filter
+    lags by `lag` s, to where it was `late` (rows,) s after a row."""
     path = replay_log(log, model.drive)
+    shown = recorded(log.t, path, log.start, Motion(drive=model.drive, pose_lag=lag))[rows]
     there = path[rows].copy()
     segment = log.segment[rows]
     for k, (begin, end) in enumerate(pairwise(log.start.tolist())):
         mine = segment == k
         at, t = log.t[rows[mine]] + late[mine], log.t[begin:end]
         there[mine] = np.column_stack([np.interp(at, t, path[begin:end, i]) for i in range(3)])
-    both = np.concatenate([path[rows], there])
+    both = np.concatenate([shown, there])
     first = np.arange(len(rows))
     return motion(both, Windows(first, first + len(rows)))
 

@@ -19,6 +19,7 @@ import pyarrow.parquet as pq
 
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.log.even import evened
 from realitygap.models.log.named import Names, numbered
 from realitygap.models.log.plausible import check_units
 from realitygap.models.log.schema import (
@@ -67,6 +68,8 @@ class MeasuredLog:
     """What recorded it, where its file says so."""
     notes: tuple[str, ...]
     """Repairs and omissions, counted, in plain words."""
+    jitter: float = 0.0
+    """s, standard deviation of stamps about even times, which were taken instead."""
     names: Names = field(default_factory=Names)
     """What robots are called; `robot` of the frame and the segments is a number all the same."""
 
@@ -165,11 +168,17 @@ def make_log(
     if not inside.any():
         raise InputError("log", f"{len(usable)} rows", "at least two moments of one robot")
     step = float(np.median(steps[inside]))
+    commands, poses = wheel_commands(usable, drive), usable[list(POSE)].to_numpy(dtype=np.float64)
+    jitter, even = 0.0, evened(t, poses, commands, start, drive)
+    if even is not None:
+        jitter = float(np.std(t - even))
+        notes.append(f"stamps jitter by {1e3 * jitter:.2g} ms where the motion is even: made even")
+        usable["t"] = t = even
+        steps = np.diff(t)
     breaks = ~inside | (steps > GAP_STEPS * step) | dropped_before[1:]
     gaps = int((inside & breaks).sum())
     if gaps:
         notes.append(f"{gaps} gaps in time: nothing is replayed across them")
-    commands, poses = wheel_commands(usable, drive), usable[list(POSE)].to_numpy(dtype=np.float64)
     check_units(t, poses, commands, start, drive=drive, names=names, fastest=fastest)
     stretch = np.concatenate([[0], np.cumsum(breaks)])
     segment = np.repeat(np.arange(len(segments)), np.diff(start))
@@ -191,6 +200,7 @@ def make_log(
         step=step,
         recorder=str(frame.attrs.get("recorder", "")),
         notes=(*notes, *track.notes),
+        jitter=jitter,
         names=called,
     )
 

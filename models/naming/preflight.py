@@ -28,6 +28,7 @@ RECORDING = {
     "rate": ("1", "by which the poses' clock and the commands' drift apart"),
     "smear": ("s^2", "variance of the times that a pose averages, or a command is lost among"),
     "scale": ("1", "factor of the tracker's metre"),
+    "lag": ("s", "time constant of a causal filter of poses, where their noise hangs together"),
 }
 """What is fitted of how a log was recorded (`motion.recording`)."""
 
@@ -92,7 +93,10 @@ def _of_time(log: MeasuredLog) -> Iterator[PreflightEntry]:
         meaning="standard deviation of a row's time about even times",
         value=found.jitter,
         unit="s",
-        why="rows are replayed at the times they give",
+        follows="repaired" if log.jitter else "nothing",
+        why="the motion is even: rows are replayed at even times"
+        if log.jitter
+        else "rows are replayed at the times they give",
     )
     yield _repaired(
         "held_poses",
@@ -240,7 +244,7 @@ def _of_recording(recording: Sequence[Value], alike: bool, known: bool) -> Itera
             high=value.high,
             follows="modelled",
             why="of all robots alike; of the whole swarm only more than this may feign is named",
-            causes=tuple(doubted) if name in ("delay", "smear") else (),
+            causes=tuple(doubted) if name in ("delay", "smear", "lag") else (),
         )
 
 

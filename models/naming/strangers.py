@@ -34,8 +34,8 @@ STRONG, NONE = 200.0, 20.0
 """counts that a wall must be expected to make, and below which it is not seen. No rule: of the
 sensor, whose noise there is 20 and 5 counts."""
 MISSED = 0.5
-"""Share of strong readings that may be missing: a robot alone misses a sixth. No rule: where the wall
-is elsewhere nearly all are."""
+"""Share of strong readings that may be missing: a robot alone misses a sixth. No rule: where the
+wall is elsewhere nearly all are."""
 NORMAL = 1.4826
 """Standard deviations of a normal variable in its median absolute one. No rule: of statistics."""
 

@@ -63,6 +63,13 @@ def colour(log: MeasuredLog, replayed: FloatArray) -> tuple[Correlation | None, 
     return _correlation(np.vstack(left[:2])), _correlation(left[2])
 
 
+def may_be_filtered(log: MeasuredLog, replayed: FloatArray) -> bool:
+    """Whether a position's noise surely hangs together, as that of filtered poses does; arguments
+    as `colour`."""
+    position, _ = colour(log, replayed)
+    return position is not None and position.low > 0.0
+
+
 def _windows(log: MeasuredLog) -> Rows:
     """(windows, POSES) rows of successive, evenly spaced poses under one command."""
     known = np.flatnonzero(log.tracked)

@@ -8,10 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.log.even import RESOLVED
 from realitygap.models.log.measured import MeasuredLog
-
-RESOLVED = 1e-9
-"""s: a jitter below it is none. Stamps of robots are whole nanoseconds at best."""
 
 
 class Stamps(NamedTuple):
@@ -58,7 +56,7 @@ def stamps(log: MeasuredLog) -> Stamps:
     return Stamps(
         row_rate=1.0 / log.step,
         pose_rate=1.0 / float(np.median(between)) if len(between) else None,
-        jitter=jitter if jitter > RESOLVED else 0.0,
+        jitter=max(jitter if jitter > RESOLVED else 0.0, log.jitter),
         gaps=int((inner & ~whole).sum()),
         repeats=float((_repeats(log) & told).sum() / max(int(told.sum()), 1)),
         without=float((missing & ~log.held).mean()),

@@ -88,7 +88,7 @@ def columns(
         names += called
         items.append(item._replace(columns=tuple(range(at, at + len(own)))))
     steps = Steps(tracks, predicted)
-    term = Term(recording(tracks.step, tracks.rules), ALL)
+    term = Term(recording(tracks.step, tracks.rules, filtered=tracks.filtered), ALL)
     for k, parameter in enumerate(term.cause.parameters):
         found.append(-_slope(problem, term, k))
         names.append(f"{term.cause.name}@{parameter.name}")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from realitygap.models.belief.catalogue import causes
@@ -10,6 +12,7 @@ from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.gap.conditions import conditions
 from realitygap.models.gap.replay import replay_log
 from realitygap.models.log.measured import MeasuredLog
+from realitygap.models.log.preflight.colour import may_be_filtered
 from realitygap.models.naming.channels.motion.claims import claimed
 from realitygap.models.naming.channels.motion.examination import Examination
 from realitygap.models.naming.channels.motion.identify import identify
@@ -46,7 +49,10 @@ def diagnose(
             the log does not have.
     """
     table = conditions(log, model)
-    tracks = cut_tracks(log, model, table=table, rules=rules)
+    replayed = replay_log(log, model.point_model().drive)
+    tracks = replace(
+        cut_tracks(log, model, table=table, rules=rules), filtered=may_be_filtered(log, replayed)
+    )
     if model.extension is not None:
         model.extension.check_robots(tracks.robots, name)
     believed = [model.motion(robot) for robot in tracks.robots]
@@ -70,7 +76,7 @@ def diagnose(
             preflight=preflight(
                 log,
                 model,
-                replay_log(log, model.point_model().drive),
+                replayed,
                 noise=tracks.noise,
                 used=tracks.used,
                 reference=healthy,

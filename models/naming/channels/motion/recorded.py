@@ -28,7 +28,8 @@ class AsRecorded(NamedTuple):
     base: tuple[Motion, ...]
     """(robots,) motions as its rows show them."""
     values: tuple[Value, ...]
-    """Delay (s), clock's rate, smear (s^2) and scale with 95 % intervals; empty: no fit."""
+    """Delay (s), clock's rate, smear (s^2), scale, a filter's lag (s), with 95 % intervals; empty:
+    no fit."""
 
 
 def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> AsRecorded:
@@ -39,7 +40,7 @@ def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> AsReco
         base: (robots,) healthy.
         health: How robots and swarms differ.
     """
-    term = Term(recording(tracks.step, tracks.rules), ALL)
+    term = Term(recording(tracks.step, tracks.rules, filtered=tracks.filtered), ALL)
     found = np.zeros(len(term.cause.parameters))
     said: tuple[Value, ...] = ()
     for _ in range(ROUNDS):

@@ -26,22 +26,25 @@ DELAYS = ("clock_offset", "command_latency")
 
 
 def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
-    delay, rate, smear, scale = (float(v) for v in values)
+    delay, rate, smear, scale, *lag = (float(v) for v in values)
     return replace(
         motion,
         pose_delay=motion.pose_delay + delay,
         clock_rate=motion.clock_rate + rate,
         smear=motion.smear + smear,
         pose_scale=motion.pose_scale * scale,
+        pose_lag=motion.pose_lag + sum(lag),
     )
 
 
-def recording(step: float, rules: Rules) -> Cause:
+def recording(step: float, rules: Rules, *, filtered: bool = False) -> Cause:
     """What may lie between robots and rows that come every `step` seconds.
 
     Commands are merged by at most a row early or late; more than that is a cause. The other bounds
-    are rules.
+    are rules. Poses whose noise hangs together may have gone through a causal filter.
     """
+    most = rules.record_rows * step
+    lag = Parameter(name="lag", unit="s", null=0.0, low=0.0, high=most, step=1e-3)
     rate, scale = rules.record_rate_most, rules.record_scale_most
     smear = (rules.record_rows * step) ** 2
     return Cause(
@@ -60,6 +63,7 @@ def recording(step: float, rules: Rules) -> Cause:
                 step=1e-4,
                 link="factor",
             ),
+            *((lag,) if filtered else ()),
         ),
         change=_change,
         variants=(ALL,),
@@ -82,6 +86,7 @@ def unsure(step: float, names: Sequence[str], rules: Rules) -> dict[str, float]:
         "rate": rules.record_rate,
         "smear": step**2,
         "scale": rules.record_scale,
+        "lag": step,
     }
     found = {f"{NAME}@{name}": sd for name, sd in spread.items()}
     for name in names:

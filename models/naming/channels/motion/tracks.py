@@ -70,6 +70,8 @@ class Tracks:
     """s, median time between rows of the log."""
     part: Rows
     """(rows,) part of the log (`log.held_out`)."""
+    filtered: bool = False
+    """Whether the tracker's noise hangs together as that of filtered poses does."""
     used: tuple[Used, ...] = ()
     """How much of each robot's time is in windows, and why not the rest."""
     rules: Rules = field(default_factory=Rules)
