@@ -20,6 +20,8 @@ LEAST = 100
 """Moves from which one is told."""
 FOLLOWED = 0.1
 """Of a stamp's deviation, by which the even time after it is moved."""
+ROUNDS = 3
+"""Times that stamps are counted by a line through all of them."""
 HALF = 0.5
 """Share of the stamps' jitter that the motion must surely not have."""
 SURE = 3.0
@@ -75,8 +77,11 @@ def _even(t: FloatArray) -> FloatArray | None:
     step = float(np.median(np.diff(t)))
     if np.std(np.diff(t)) < RESOLVED:
         return t
-    tick = _ticks(t, step)
-    step, begin = np.polyfit(tick, t, 1)
+    counted = np.maximum(np.round(np.diff(t) / step), 1.0)
+    tick = _ticks(t, float((t[-1] - t[0]) / counted.sum()))
+    for _ in range(ROUNDS):
+        step, begin = np.polyfit(tick, t, 1)
+        tick = np.round((t - begin) / step)
     even = begin + step * tick
     return np.asarray(even) if np.abs(t - even).max() < 0.5 * step else None
 

@@ -41,7 +41,7 @@ def differing(state: State) -> State:
         eligible = np.isin(np.arange(len(names)), weighed.prior.at)
         chance = np.where(eligible & (level > 0.0), chance, 1.0)
         worst = int(np.argmin(chance))
-        if chance[worst] >= state.rules.chance:
+        if chance[worst] * eligible.sum() >= state.rules.chance:  # one of so many that were tried
             break
         usual = chi2.isf((most - 0.5) / robots, 1)  # what of sound robots exceeds as often
         extra = (level[worst] / usual - 1.0) / float(np.median(size[:, worst]))

@@ -78,6 +78,20 @@ def merged(frame: pd.DataFrame) -> pd.DataFrame:
     return with_poses(frame, at(frame, t)).assign(t=t)
 
 
+def filtered(frame: pd.DataFrame) -> pd.DataFrame:
+    """By a causal filter of 80 ms."""
+    poses, share = unwrapped(frame), 1.0 - np.exp(-STEP / 0.08)
+    for k in range(1, len(poses)):
+        poses[k] = poses[k - 1] + share * (poses[k] - poses[k - 1])
+    return with_poses(frame, poses)
+
+
+def jittered(frame: pd.DataFrame) -> pd.DataFrame:
+    seed = np.random.SeedSequence([45, int(frame["robot"].iloc[0])])
+    off = np.random.default_rng(seed).normal(0.0, 0.005, len(frame))
+    return frame.assign(t=frame["t"] + np.clip(off, -0.015, 0.015))
+
+
 def held(frame: pd.DataFrame) -> pd.DataFrame:
     return with_poses(frame, frame[POSE].to_numpy()[np.arange(len(frame)) // 2 * 2])
 
@@ -97,6 +111,8 @@ CHANGES: dict[str, Change] = {
     "clock rate": fast,
     "merged": merged,
     "held poses": held,
+    "causal filter": filtered,
+    "jittered stamps": jittered,
     "every second pose": sparse(2),
     "every fifth pose": sparse(5),
     "scale": lambda frame: frame.assign(x=1.01 * frame["x"], y=1.01 * frame["y"]),
@@ -125,12 +141,15 @@ def test_an_ill_robot_is_found_however_its_log_was_recorded(change: Change) -> N
         ("clock rate", "clock_rate", -1e-3, 5e-5),
         ("merged", "pose_delay", -0.5 * STEP, 4e-3),
         ("scale", "pose_scale", 1.01, 2e-3),
+        ("causal filter", "pose_lag", 0.08, 0.015),
     ],
 )
 def test_what_lies_between_robots_and_rows_is_measured(
     change: str, what: str, value: float, within: float
 ) -> None:
-    log = tracks(by_robot(CHANGES[change])(table(43, {})))
+    log = replace(
+        tracks(by_robot(CHANGES[change])(table(43, {}))), filtered=change == "causal filter"
+    )
     healthy = reference().motion(MODEL.motion())
     (first, *_) = recorded(log, (healthy,) * len(log.robots), reference().learned).base
     own = getattr(healthy, what)
@@ -147,6 +166,16 @@ def test_an_average_of_rows_has_the_variance_that_it_is_told() -> None:
         motion = Motion(drive=Drive(), smear=smear)
         moved = as_recorded(t, path, np.array([0, 101]), motion) - path
         np.testing.assert_allclose(moved[45:55, 0], 0.5 * smear, rtol=1e-9)
+
+
+def test_a_filter_lags_behind_by_its_time_constant() -> None:
+    """A steady ramp comes out late by the filter's delay: with short steps its time constant."""
+    t = 0.001 * np.arange(2001)
+    path = np.column_stack([0.1 * t, np.zeros(2001), -0.5 * t])
+    cut, lag = np.array([0, 2001]), 0.08
+    behind = path - as_recorded(t, path, cut, Motion(drive=Drive(), pose_lag=lag))
+    np.testing.assert_allclose(behind[-1], [0.1 * lag, 0.0, -0.5 * lag], rtol=0.01)
+    np.testing.assert_array_equal(behind[0], 0.0)
 
 
 def test_nothing_recorded_leaves_a_path_as_it_was_to_the_bit() -> None:
@@ -213,7 +242,7 @@ def test_only_what_shows_where_commands_change_is_unsure_beside_the_recording() 
     assert not {"wheel_radius_scale.scale", "clock_offset.seconds", "speed/heading sin"} & set(
         found
     )
-    assert {p.name for p in recording(0.1, Rules()).parameters} == {
+    assert {p.name for p in recording(0.1, Rules(), filtered=True).parameters} == {
         name.partition("@")[2] for name in found if name.startswith("recording@")
     }
     assert recording(0.1, Rules()).variants == (ALL,)

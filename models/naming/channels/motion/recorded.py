@@ -42,6 +42,8 @@ def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> AsReco
     """
     term = Term(recording(tracks.step, tracks.rules, filtered=tracks.filtered), ALL)
     found = np.zeros(len(term.cause.parameters))
+    if tracks.filtered:
+        found[-1] = tracks.step  # from its null, a bound, a fit may not move
     said: tuple[Value, ...] = ()
     for _ in range(ROUNDS):
         here = [term.cause.applied(motion, found, ALL) for motion in base]
