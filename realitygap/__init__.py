@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from realitygap.studies.inputs.logs import Log
     from realitygap.studies.inputs.model import Model
     from realitygap.studies.plumbing.execution import Unfinished
+    from realitygap.studies.replay.watch import watch
     from realitygap.studies.run.capture import capture
     from realitygap.studies.run.simulate import RunResult, simulate
     from realitygap.studies.study import StudyResult
@@ -69,6 +70,7 @@ _WHERE = {
     "simulate": "studies.run.simulate",
     "study": "studies",
     "topics": "studies.inputs.imported",
+    "watch": "studies.replay.watch",
 }
 """Module of each public name: imported when it is asked for, so that starting costs little."""
 
@@ -103,6 +105,7 @@ __all__ = [
     "simulate",
     "study",
     "topics",
+    "watch",
 ]
 
 

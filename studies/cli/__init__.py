@@ -30,6 +30,7 @@ COMMANDS = (
     "import_",
     "model",
     "gap",
+    "replay",
     "study",
     "transfer",
     "reference",
