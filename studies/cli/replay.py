@@ -53,5 +53,6 @@ def replay(
             begin=shown.begin,
         )
     seconds = sum(run["seconds"] for run in done["runs"])
-    line = f"{len(done['robots'])} robots, {seconds:.0f} s, {done['bytes'] / 1e6:.1f} MB"
+    robots = f"{len(done['robots'])} robot{'s' * (len(done['robots']) > 1)}"
+    line = f"{robots}, {seconds:.0f} s, {done['bytes'] / 1e6:.1f} MB"
     return Outcome(done, line, out, done["notes"])
