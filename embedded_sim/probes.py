@@ -67,6 +67,10 @@ class Probe:
     Raises InputError where so many robots do not find room."""
     dark: bool = False
     """It needs the lamp switched off."""
+    walled: bool = False
+    """It is about a wall, the lamp or the nest: in the open it means nothing."""
+    least: int = 1
+    """Robots without whom it means nothing."""
 
 
 def probe(name: str) -> Probe:
@@ -281,17 +285,21 @@ MENU: Mapping[str, Probe] = {
             does="a round along the wall, near to the lamp and far from it, turning and crossing "
             "the nest's edge",
             lap=_tour("tour"),
+            walled=True,
         ),
         Probe(
             name="dark-tour",
             does="the same round with the lamp switched off",
             lap=_tour("dark-tour"),
             dark=True,
+            walled=True,
         ),
         Probe(
             name="face-to-face",
             does="two robots turn before one another, then before the wall",
             lap=_pairs,
+            walled=True,
+            least=2,
         ),
         Probe(
             name="alone",

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
 from realitygap.embedded_sim.probes import PREFIX
+from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.log.measured import MeasuredLog
+from realitygap.models.naming.proposal.ground import ground
 from realitygap.models.naming.proposal.menu import SECONDS, Proposal
 from realitygap.studies.diagnosis.request import Request
 from realitygap.studies.pages.page import PageTable, Picture, Section
@@ -37,6 +40,18 @@ def commands(proposal: Proposal, request: Request, log: MeasuredLog) -> tuple[st
     perform += ["--robots", str(log.frame["robot"].nunique())]
     perform += ["--case", case] if case else []
     return typed(*perform, "--out", f"out/{name}"), _together(request, f"out/{name}", name)
+
+
+def plan(proposal: Proposal, model: ModelFile, log: MeasuredLog) -> dict[str, Any]:
+    """What `realitygap experiment` needs to know of the log: its rate (s), its room, the rivals."""
+    place, names = ground(model, log), log.names
+    rivals = []
+    for one in proposal.rivals:
+        kept = one.model_dump(mode="json", exclude_none=True)
+        robots = one.robots if one.robots == "all" else [names.key(robot) for robot in one.robots]
+        rivals.append(kept | {"robots": robots})
+    where = {"x": place.x, "y": place.y, "radius": place.radius, "walled": place.walled}
+    return {"step": log.step, "ground": where, "rivals": rivals}
 
 
 def _together(request: Request, log: str, name: str) -> str:

@@ -18,8 +18,10 @@ from realitygap.embedded_sim import CONTROL_STEP, InputError, PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.embedded_sim.pilot import fly
 from realitygap.embedded_sim.probes import MENU, Probe
+from realitygap.models.belief.extension import NamedCause
 from realitygap.models.gap.conditions import NEAR_ROBOT, NEAR_WALL
 from realitygap.models.naming.engine.information import inverted
+from realitygap.models.naming.proposal.ground import Ground
 
 SECONDS = 120.0
 """s of a proposed run: as long as the logs that the diagnosis is made for. No rule: the
@@ -58,6 +60,8 @@ class Proposal:
     """The menu, best first."""
     needs: tuple[str, ...] = ()
     """Columns that must be logged and were not."""
+    rivals: tuple[NamedCause, ...] = ()
+    """What is to be told apart, as fitted to the log, the named cause first."""
 
     @property
     def best(self) -> Option:
@@ -74,21 +78,33 @@ class Proposal:
         return self.best.separation >= least
 
 
-def flights(robots: int, model: PointModel) -> list[Flight]:
-    """Every manoeuvre that so many robots find room for."""
+def flights(robots: int, model: PointModel, ground: Ground) -> list[Flight]:
+    """Every manoeuvre that so many robots find room for and that means something for them."""
     found = []
     for probe in MENU.values():
+        if robots < probe.least or (probe.walled and not ground.walled):
+            continue
         try:
-            poses, commands = fly(probe, robots, model, round(SECONDS / CONTROL_STEP))
+            found.append(flight(probe, robots, model, ground))
         except InputError:
             continue
-        found.append(
-            Flight(probe=probe, poses=poses, commands=commands, clear=_clear(poses, model))
-        )
     return found
 
 
-def _clear(poses: FloatArray, model: PointModel) -> npt.NDArray[np.bool_]:
+def flight(probe: Probe, robots: int, model: PointModel, ground: Ground) -> Flight:
+    """A manoeuvre of two minutes as robots of this size and speed drive it, about the middle.
+
+    Raises:
+        InputError: so many robots do not find room.
+    """
+    steps = round(SECONDS * ground.pace / CONTROL_STEP)
+    poses, commands = ground.full(*fly(probe, robots, ground.believed(model), steps))
+    wall = ground.radius if ground.walled else np.inf
+    clear = _clear(poses, wall, ground.body_radius)
+    return Flight(probe=probe, poses=poses, commands=commands, clear=clear)
+
+
+def _clear(poses: FloatArray, wall: float, body: float) -> npt.NDArray[np.bool_]:
     """(steps, robots) where nothing but floor and wheels has a part in the motion."""
     steps, robots = poses.shape[:2]
     nearest = np.full((steps, robots), np.inf)
@@ -96,8 +112,8 @@ def _clear(poses: FloatArray, model: PointModel) -> npt.NDArray[np.bool_]:
         away = np.hypot(*(poses[:, :, :2] - poses[:, k : k + 1, :2]).transpose(2, 0, 1))
         away[:, k] = np.inf
         nearest[:, k] = away.min(axis=1, initial=np.inf)
-    reach = model.arena_radius - model.body_radius - NEAR_WALL
-    alone = nearest > 2.0 * model.body_radius + NEAR_ROBOT
+    reach = wall - body - NEAR_WALL
+    alone = nearest > 2.0 * body + NEAR_ROBOT
     return np.asarray(alone & (np.hypot(poses[..., 0], poses[..., 1]) < reach))
 
 

@@ -25,7 +25,9 @@ from realitygap.models.naming.engine.items import Item
 from realitygap.models.naming.engine.state import SWARM
 from realitygap.models.naming.engine.weighed import Weighed
 from realitygap.models.naming.findings import Named
+from realitygap.models.naming.proposal.ground import Ground
 from realitygap.models.naming.proposal.menu import Flight, Proposal, distance, flights, ranked
+from realitygap.models.naming.proposal.rivals import rivals_of
 from realitygap.models.naming.rules import Rules
 
 STRIDE = 5
@@ -48,7 +50,7 @@ class _Believed(NamedTuple):
 
 
 def propose(
-    senses: SenseExamination, named: Named, model: PointModel, rules: Rules
+    senses: SenseExamination, named: Named, model: PointModel, ground: Ground, rules: Rules
 ) -> Proposal | None:
     """The manoeuvres that separate an ambiguous cause from its rivals; None: none can be flown.
 
@@ -56,6 +58,7 @@ def propose(
         senses: The log's.
         named: One of its causes in the senses, with alternatives.
         model: What is believed, with sensor tables where sensors were judged.
+        ground: Where it can be flown.
         rules: What naming is tuned to.
     """
     rivals = tuple(named.evidence.rivals)
@@ -68,14 +71,20 @@ def propose(
         return None
     separations = {}
     robots = len(senses.found.state.robots)
-    for flight in flights(robots, model):
+    for flight in flights(robots, model, ground):
         if of_nest:
             far = [_edges_apart(flight, own, rival, model) for rival in others]
         else:
             assert senses.sight is not None
             far = [_apart(senses.sight, flight, model, own, rival, rules) for rival in others]
         separations[flight.probe.name] = far
-    return Proposal(separates=separates, options=ranked(separations)) if separations else None
+    if not separations:
+        return None
+    return Proposal(
+        separates=separates,
+        options=ranked(separations),
+        rivals=rivals_of(named, [(one.term, one.coordinates) for one in others]),
+    )
 
 
 def _believed(found: SensesFound, named: Named) -> list[_Believed]:

@@ -1,0 +1,112 @@
+"""Where a manoeuvre can be driven, and how fast: what the model and the log show to be possible."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from realitygap.embedded_sim import CONTROL_STEP, PointModel
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.belief.modelfile import ModelFile
+from realitygap.models.log.measured import MeasuredLog
+
+DESIGNED_BODY = 0.035
+"""m, radius of the e-puck, which the menu's lengths were made for. No rule: of the menu."""
+DESIGNED_SPEED = 6.0
+"""rad/s, the menu's fastest wheel. No rule: of the menu."""
+ROUNDING = 1e-9
+"""Of a row. No rule: of numerics."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ground:
+    """A circle of floor for robots of some size and speed."""
+
+    x: float
+    y: float
+    radius: float
+    """m."""
+    walled: bool
+    """Whether there is a wall around it, with lamp and nest where the model has them."""
+    body_radius: float
+    """m."""
+    fastest: float
+    """rad/s that a wheel turns at most."""
+
+    @property
+    def size(self) -> float:
+        """Lengths of the robot over those that the menu was made for."""
+        return self.body_radius / DESIGNED_BODY
+
+    @property
+    def pace(self) -> float:
+        """Speeds over the menu's; at most 1."""
+        return min(1.0, self.fastest / DESIGNED_SPEED)
+
+    def believed(self, model: PointModel) -> PointModel:
+        """The model of a robot as small as those that the menu was made for, on this ground."""
+        drive, size = model.drive, self.size
+        left, right = drive.wheel_radius
+        smaller = replace(drive, wheel_radius=(left / size, right / size), axle=drive.axle / size)
+        return replace(
+            model,
+            drive=smaller,
+            body_radius=self.body_radius / size,
+            arena_radius=self.radius / size,
+        )
+
+    def full(self, poses: FloatArray, commands: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """A flight of such a robot as this one drives it: as large as it is, and no faster.
+
+        Args:
+            poses: (steps, robots, 3) m, m, rad, about the middle.
+            commands: (steps, robots, 2) rad/s.
+        """
+        grown = poses * [self.size, self.size, 1.0]
+        return resampled(grown, commands, every=CONTROL_STEP * self.pace, step=CONTROL_STEP)
+
+
+def resampled(
+    poses: FloatArray, commands: FloatArray, *, every: float, step: float
+) -> tuple[FloatArray, FloatArray]:
+    """A flight of one row per control step in other rows: wheels turn by the same angles.
+
+    Args:
+        poses: (steps, robots, 3).
+        commands: (steps, robots, 2) rad/s, from each step on.
+        every: s of the flight from one row to the next.
+        step: s that a row then takes.
+    """
+    if every == step == CONTROL_STEP:
+        return poses, commands
+    steps, robots = commands.shape[:2]
+    t = CONTROL_STEP * np.arange(steps + 1)
+    at = every * np.arange(int(t[-1] / every + ROUNDING) + 1)
+    turned = np.concatenate([np.zeros((1, robots, 2)), np.cumsum(commands, axis=0) * CONTROL_STEP])
+    rows = len(at) - 1
+    where, found = np.empty((rows, robots, 3)), np.empty((rows, robots, 2))
+    for robot in range(robots):
+        for k in range(3):
+            where[:, robot, k] = np.interp(at[:-1], t[:-1], poses[:, robot, k])
+        for k in range(2):
+            found[:, robot, k] = np.diff(np.interp(at, t, turned[:, robot, k])) / step
+    return where, found
+
+
+def ground(model: ModelFile, log: MeasuredLog) -> Ground:
+    """The arena where the model has one; else the circle that the log's robots stayed in."""
+    robot, arena = model.robot, model.arena
+    x, y, radius = 0.0, 0.0, 0.0 if arena is None else arena.radius
+    if arena is None:
+        places = log.poses[log.tracked, :2]
+        x, y = (0.5 * (places.min(axis=0) + places.max(axis=0))).tolist()
+        radius = float(np.hypot(*(places - (x, y)).T).max()) + robot.body_radius
+    return Ground(
+        x=x,
+        y=y,
+        radius=radius,
+        walled=arena is not None,
+        body_radius=robot.body_radius,
+        fastest=robot.wheel_speed_max,
+    )
