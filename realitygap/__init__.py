@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from realitygap.studies.blind.battery import blind
     from realitygap.studies.demo.demo import demo
     from realitygap.studies.diagnosis.diagnose import diagnose
+    from realitygap.studies.diagnosis.experiment import ProposedExperiment, experiment
     from realitygap.studies.diagnosis.result import DiagnosisResult
     from realitygap.studies.diagnosis.rules import rules
     from realitygap.studies.gain.measure import GainFailed, gain
@@ -48,6 +49,7 @@ _WHERE = {
     "InputError": "embedded_sim.errors",
     "Log": "studies.inputs.logs",
     "Model": "studies.inputs.model",
+    "ProposedExperiment": "studies.diagnosis.experiment",
     "Rules": "models.naming.rules",
     "RunResult": "studies.run.simulate",
     "StudyResult": "studies.study",
@@ -58,6 +60,7 @@ _WHERE = {
     "demo": "studies.demo.demo",
     "diagnose": "studies.diagnosis.diagnose",
     "effects": "studies.hidden.catalogue",
+    "experiment": "studies.diagnosis.experiment",
     "gain": "studies.gain.measure",
     "guessed_map": "studies.inputs.imported",
     "import_log": "studies.inputs.imported",
@@ -83,6 +86,7 @@ __all__ = [
     "InputError",
     "Log",
     "Model",
+    "ProposedExperiment",
     "Rules",
     "RunResult",
     "StudyResult",
@@ -93,6 +97,7 @@ __all__ = [
     "demo",
     "diagnose",
     "effects",
+    "experiment",
     "gain",
     "guessed_map",
     "import_log",

@@ -35,6 +35,7 @@ COMMANDS = (
     "transfer",
     "reference",
     "diagnose",
+    "experiment",
     "gain",
     "effects",
     "rules",

@@ -34,8 +34,7 @@ def commands(proposal: Proposal, request: Request, log: MeasuredLog) -> tuple[st
     name = proposal.probe.name
     if request.model.typed:
         return (_together(request, f"out/{name}.parquet", name),)
-    cases = log.frame["case"].dropna() if "case" in log.frame else pd.Series(dtype=object)
-    case = "no-light" if proposal.probe.dark else None if cases.empty else cases.mode().iloc[0]
+    case = "no-light" if proposal.probe.dark else _case(log)
     perform = ["realitygap", "run", "--controller", PREFIX + name, "--minutes", f"{SECONDS / 60:g}"]
     perform += ["--robots", str(log.frame["robot"].nunique())]
     perform += ["--case", case] if case else []
@@ -43,15 +42,36 @@ def commands(proposal: Proposal, request: Request, log: MeasuredLog) -> tuple[st
 
 
 def plan(proposal: Proposal, model: ModelFile, log: MeasuredLog) -> dict[str, Any]:
-    """What `realitygap experiment` needs to know of the log: its rate (s), its room, the rivals."""
-    place, names = ground(model, log), log.names
-    rivals = []
-    for one in proposal.rivals:
-        kept = one.model_dump(mode="json", exclude_none=True)
-        robots = one.robots if one.robots == "all" else [names.key(robot) for robot in one.robots]
-        rivals.append(kept | {"robots": robots})
+    """What `realitygap experiment` needs: the log's rate (s), its room, and what is expected."""
+    place, names = ground(model, log), sorted({int(robot) for robot in log.segments["robot"]})
     where = {"x": place.x, "y": place.y, "radius": place.radius, "walled": place.walled}
-    return {"step": log.step, "ground": where, "rivals": rivals}
+    keys = [f"{one.name}/{one.word}" if one.word else one.name for one in proposal.rivals]
+    return {
+        "step": place.step,
+        "ground": where,
+        "rivals": [
+            {"name": one.name, "word": one.word or None, "values": dict(one.values)}
+            for one in proposal.rivals
+        ],
+        "expected": [
+            {
+                "robot": None if one.robot is None else log.names.key(names[one.robot]),
+                "t_start": one.begin,
+                "t_end": one.end,
+                "channel": one.channel,
+                "unit": one.unit,
+                "values": dict(zip(keys, one.values, strict=True)),
+                "apart": one.apart,
+            }
+            for one in proposal.expected
+        ],
+    }
+
+
+def _case(log: MeasuredLog) -> str | None:
+    """Where the lamp mostly stood; None: the log does not tell."""
+    cases = log.frame["case"].dropna() if "case" in log.frame else pd.Series(dtype=object)
+    return None if cases.empty else str(cases.mode().iloc[0])
 
 
 def _together(request: Request, log: str, name: str) -> str:

@@ -6,22 +6,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from realitygap.embedded_sim import CONTROL_STEP, PointModel
+from realitygap.embedded_sim import CONTROL_STEP, SCENARIOS, PointModel
 from realitygap.embedded_sim.model import FloatArray
+from realitygap.embedded_sim.probes import FAST
 from realitygap.models.belief.modelfile import ModelFile
+from realitygap.models.gap.sensing import scenarios
 from realitygap.models.log.measured import MeasuredLog
 
+DARK = SCENARIOS.index("none")
 DESIGNED_BODY = 0.035
 """m, radius of the e-puck, which the menu's lengths were made for. No rule: of the menu."""
-DESIGNED_SPEED = 6.0
-"""rad/s, the menu's fastest wheel. No rule: of the menu."""
 ROUNDING = 1e-9
-"""Of a row. No rule: of numerics."""
+"""s, and of a row. No rule: of numerics."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ground:
-    """A circle of floor for robots of some size and speed."""
+    """A circle of floor for robots of some size and speed, and how they are logged."""
 
     x: float
     y: float
@@ -33,6 +34,15 @@ class Ground:
     """m."""
     fastest: float
     """rad/s that a wheel turns at most."""
+    step: float = CONTROL_STEP
+    """s between two rows of the log."""
+    lamp: int = DARK
+    """Where the log's lamp mostly stood, index into the model's lamps."""
+
+    @property
+    def middle(self) -> FloatArray:
+        """(3,) m, m, rad: the pose that is the menu's origin."""
+        return np.array([self.x, self.y, 0.0])
 
     @property
     def size(self) -> float:
@@ -42,7 +52,7 @@ class Ground:
     @property
     def pace(self) -> float:
         """Speeds over the menu's; at most 1."""
-        return min(1.0, self.fastest / DESIGNED_SPEED)
+        return min(1.0, self.fastest / FAST)
 
     def believed(self, model: PointModel) -> PointModel:
         """The model of a robot as small as those that the menu was made for, on this ground."""
@@ -78,7 +88,7 @@ def resampled(
         every: s of the flight from one row to the next.
         step: s that a row then takes.
     """
-    if every == step == CONTROL_STEP:
+    if abs(every - CONTROL_STEP) < ROUNDING and abs(step - CONTROL_STEP) < ROUNDING:
         return poses, commands
     steps, robots = commands.shape[:2]
     t = CONTROL_STEP * np.arange(steps + 1)
@@ -102,6 +112,8 @@ def ground(model: ModelFile, log: MeasuredLog) -> Ground:
         places = log.poses[log.tracked, :2]
         x, y = (0.5 * (places.min(axis=0) + places.max(axis=0))).tolist()
         radius = float(np.hypot(*(places - (x, y)).T).max()) + robot.body_radius
+    lit = scenarios(log)
+    lit = lit[lit >= 0]
     return Ground(
         x=x,
         y=y,
@@ -109,4 +121,6 @@ def ground(model: ModelFile, log: MeasuredLog) -> Ground:
         walled=arena is not None,
         body_radius=robot.body_radius,
         fastest=robot.wheel_speed_max,
+        step=round(log.step, 9),
+        lamp=int(np.bincount(lit).argmax()) if len(lit) else DARK,
     )

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -18,8 +19,8 @@ from realitygap.embedded_sim import CONTROL_STEP, InputError, PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.embedded_sim.pilot import fly
 from realitygap.embedded_sim.probes import MENU, Probe
-from realitygap.models.belief.extension import NamedCause
 from realitygap.models.gap.conditions import NEAR_ROBOT, NEAR_WALL
+from realitygap.models.naming.engine.hypothesis import Term
 from realitygap.models.naming.engine.information import inverted
 from realitygap.models.naming.proposal.ground import Ground
 
@@ -50,6 +51,39 @@ class Option:
     """Of the nearest rival, standard deviations."""
 
 
+class Rival(NamedTuple):
+    """A cause as it would have to be to explain the log."""
+
+    name: str
+    word: str
+    """Such as which wheel; empty: none."""
+    values: Mapping[str, float]
+    """By parameter, as fitted: nothing that healthy robots show is taken off."""
+
+    @classmethod
+    def fitted(cls, term: Term, coordinates: FloatArray) -> Rival:
+        """A term at coordinates (p,)."""
+        values = term.cause.values(coordinates).tolist()
+        names = (p.name for p in term.cause.parameters)
+        return cls(term.cause.name, term.variant, dict(zip(names, values, strict=True)))
+
+
+class Expected(NamedTuple):
+    """What one channel will read where it tells rivals apart best."""
+
+    robot: int | None
+    """Index; None: any, whenever it happens."""
+    begin: float
+    """s."""
+    end: float
+    channel: str
+    unit: str
+    values: tuple[float, ...]
+    """Under each rival."""
+    apart: float
+    """Between the first and the nearest other, in standard deviations of the log's noise."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Proposal:
     """The manoeuvre to perform, for one ambiguous cause."""
@@ -60,8 +94,10 @@ class Proposal:
     """The menu, best first."""
     needs: tuple[str, ...] = ()
     """Columns that must be logged and were not."""
-    rivals: tuple[NamedCause, ...] = ()
-    """What is to be told apart, as fitted to the log, the named cause first."""
+    rivals: tuple[Rival, ...] = ()
+    """What is to be told apart, the named cause first."""
+    expected: tuple[Expected, ...] = ()
+    """What the best manoeuvre will show under each, the channel that tells most first."""
 
     @property
     def best(self) -> Option:
@@ -99,6 +135,9 @@ def flight(probe: Probe, robots: int, model: PointModel, ground: Ground) -> Flig
     """
     steps = round(SECONDS * ground.pace / CONTROL_STEP)
     poses, commands = ground.full(*fly(probe, robots, ground.believed(model), steps))
+    reach = float(np.hypot(poses[..., 0], poses[..., 1]).max()) + ground.body_radius
+    if reach > ground.radius:
+        raise InputError("room", f"{ground.radius:g} m", f"{reach:g} m for {probe.name}")
     wall = ground.radius if ground.walled else np.inf
     clear = _clear(poses, wall, ground.body_radius)
     return Flight(probe=probe, poses=poses, commands=commands, clear=clear)
