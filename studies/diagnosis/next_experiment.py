@@ -93,8 +93,8 @@ def next_section(
         texts.append(f"Log {' and '.join(proposal.needs)}: the poses say the same of both.")
     if len(following) == 1:
         texts.append(
-            "realitygap experiment writes it as commands for these robots. Log it with the same kind "
-            "of commands, and diagnose both together:"
+            "realitygap experiment writes it as commands for these robots. Log it with the same "
+            "kind of commands, and diagnose both together:"
         )
     texts += list(following)
     _draw(proposal, room / "menu.png", least)

@@ -10,27 +10,37 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from typer.testing import CliRunner
 
 import realitygap as rg
 from realitygap.embedded_sim import Drive, replay
 from realitygap.embedded_sim.onboard import Flags, Generation
+from realitygap.models.gap.driven import wheel_turns
 from realitygap.models.log.formats.bag import hear, open_bag
 from realitygap.models.log.measured import make_log
 from realitygap.models.log.schema import ENCODERS, LS, PS
 from realitygap.models.naming.proposal.expected import Flown, moves, reads
+from realitygap.studies.cli import app
 from realitygap.studies.diagnosis.twists import topics_of
 from tests.golden.answers import log_file
-from tests.helpers import realitygap
+from tests.models.small import driven_log
 
 WEAK = log_file("single-weak_motor")
 NAMES = ["weak_motor", "low_friction"]
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The diagnosis of a log without encoders: weak motors, or slipping wheels."""
+def diagnosed() -> rg.DiagnosisResult:
+    """A log without encoders: weak motors, or slipping wheels."""
+    result = rg.diagnose(WEAK)
+    assert result.verdict == "ambiguous"
+    return result
+
+
+@pytest.fixture(scope="module")
+def found(diagnosed: rg.DiagnosisResult, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("ambiguous") / "diagnosis"
-    assert rg.diagnose(WEAK, out=out).verdict == "ambiguous"
+    diagnosed.write(out)
     return out
 
 
@@ -122,8 +132,9 @@ def test_a_rival_in_the_senses_is_told_by_what_is_read_there() -> None:
 
 def test_the_command_writes_the_table_and_what_to_expect(found: Path, tmp_path: Path) -> None:
     out = tmp_path / "commands.csv"
-    done = realitygap("experiment", found / "diagnosis.json", "--out", out)
-    assert done.returncode == 0, done.stderr
+    words = ["experiment", str(found / "diagnosis.json"), "--out", str(out)]
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 0, done.output
     lines = done.stdout.splitlines()
     assert lines[-1] == f"steps for 3 robots, 120 s, tells weak_motor from low_friction. See {out}"
     assert "log wheel_left, wheel_right" in lines
@@ -132,7 +143,7 @@ def test_the_command_writes_the_table_and_what_to_expect(found: Path, tmp_path: 
     )
     table = pd.read_csv(out)
     assert list(table) == ["t", "robot", "cmd_left", "cmd_right"]
-    told = realitygap("experiment", found, "--out", out, "--force", "--json")
+    told = CliRunner().invoke(app, [*words, "--force", "--json"])
     assert told.stdout == (tmp_path / "commands.json").read_text(encoding="utf-8")
     content = json.loads(told.stdout)
     assert content["inputs"][0]["file"] == str(found / "diagnosis.json")
@@ -144,8 +155,10 @@ def test_the_command_writes_the_table_and_what_to_expect(found: Path, tmp_path: 
     assert not (tmp_path / "thesis.csv").exists()
 
 
-def test_a_diagnosis_in_memory_gives_the_same(planned: rg.ProposedExperiment) -> None:
-    same = rg.experiment(rg.diagnose(WEAK))
+def test_a_diagnosis_in_memory_gives_the_same(
+    diagnosed: rg.DiagnosisResult, planned: rg.ProposedExperiment
+) -> None:
+    same = rg.experiment(diagnosed)
     pd.testing.assert_frame_equal(same.commands, planned.commands)
     for key in ("expected", "starts", "rivals", "ground"):
         assert same.content[key] == planned.content[key]
@@ -231,6 +244,56 @@ def test_a_diagnosis_that_proposes_nothing_has_no_experiment(found: Path, tmp_pa
         asked([1])
     with pytest.raises(rg.InputError, match="DIAGNOSIS"):
         rg.experiment(tmp_path)
+
+
+BURGER = Drive(wheel_radius=(0.033, 0.033), axle=0.16, latency=0.12)
+"""A TurtleBot that hears its commands late."""
+
+
+def by_the_body(log: pd.DataFrame) -> pd.DataFrame:
+    """The same log with the commands that a TurtleBot takes."""
+    left, right = (0.033 * log[name] for name in ("cmd_left", "cmd_right"))
+    given = {"cmd_v": 0.5 * (left + right), "cmd_omega": (right - left) / 0.16}
+    return log.drop(columns=["cmd_left", "cmd_right"]).assign(**given)
+
+
+def test_a_robot_of_ones_own_with_a_name_drives_the_commands_and_is_understood(
+    tmp_path: Path,
+) -> None:
+    """Late commands, or late stamps: the encoders of the second log tell."""
+    noise = {"position_noise": 1e-3, "heading_noise": 5e-3}
+    first = driven_log(3, robots=1, rows=1200, step=0.05, drive=BURGER, **noise)
+    first["x"] += 5.0
+    first["robot"] = "<b>alice"
+    before = rg.diagnose(by_the_body(first), model="turtlebot3_burger")
+    assert before.verdict == "ambiguous"
+    assert {"tour", "face-to-face"}.isdisjoint(
+        one["name"] for one in before.content["next_experiment"]["menu"]
+    )
+    before.write(tmp_path / "found")
+    planned = rg.experiment(tmp_path / "found")
+    room, (start,) = planned.content["ground"], planned.content["starts"]
+    assert (start["robot"], room["walled"]) == ("<b>alice", False)
+    away = np.hypot(first["x"] - room["x"], first["y"] - room["y"])
+    assert room["radius"] == pytest.approx(away.max() + 0.105, rel=0.01)
+    own = planned.commands
+    t, wheels = own["t"].to_numpy(), np.ascontiguousarray(own[["cmd_left", "cmd_right"]])
+    assert np.allclose(np.diff(t), 0.05)
+    assert np.abs(wheels).max() <= rg.Model.load("turtlebot3_burger").file.robot.wheel_speed_max
+    begin = np.array([[start["x"], start["y"], start["yaw"]]])
+    poses = replay(t, wheels, [0, len(t)], begin, drive=BURGER).poses
+    assert np.hypot(*(poses[:, :2] - [room["x"], room["y"]]).T).max() + 0.105 < room["radius"]
+    poses += np.random.default_rng(4).normal(size=poses.shape) * [1e-3, 1e-3, 5e-3]
+    turns = wheel_turns(t, wheels, np.array([0, len(t)]), BURGER, 0.0)
+    speeds = np.diff(turns, axis=0, prepend=0.0) / 0.05
+    second = own.assign(**dict(zip(("x", "y", "yaw"), poses.T, strict=True)))
+    second = second.assign(run="b", **dict(zip(ENCODERS, speeds.T, strict=True)))
+    both = [by_the_body(one) for one in (first, second)]
+    after = rg.diagnose(both, model="turtlebot3_burger")
+    assert after.verdict == "named"
+    (cause,) = after.content["causes"]
+    assert (cause["name"], cause["robots"]) == ("command_latency", ["<b>alice"])
+    assert cause["parameters"]["seconds"]["value"] == pytest.approx(0.12, abs=0.01)
 
 
 class Driven:

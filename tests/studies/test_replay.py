@@ -18,14 +18,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
+from typer.testing import CliRunner
 
 import realitygap as rg
 from realitygap.embedded_sim import Drive
 from realitygap.embedded_sim.model import FloatArray
+from realitygap.studies.cli import app
 from realitygap.studies.replay.packed import FINE, RAY_STEPS, TURN_BITS, packed
 from realitygap.studies.replay.scene import CELLS, Scene, scenes
 from realitygap.studies.replay.sight import rays
-from tests.helpers import realitygap
 from tests.models.small import driven_log
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -256,13 +257,14 @@ def test_the_command_ends_with_its_result_and_replaces_only_replays(
     run: Path, tmp_path: Path
 ) -> None:
     out = tmp_path / "replay.html"
-    done = realitygap("replay", run, "--out", out)
-    assert done.returncode == 0, done.stderr
+    words = ["replay", str(run), "--out", str(out)]
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 0, done.output
     assert done.stdout.splitlines()[-1].startswith("5 robots, 72 s, ")
     assert done.stdout.endswith(f". See {out}\n")
     with pytest.raises(rg.InputError, match="does not exist yet"):
         rg.watch(run, out)
-    told = realitygap("replay", run, "--out", out, "--force", "--json", "--restart", 2)
+    told = CliRunner().invoke(app, [*words, "--force", "--json", "--restart", "2"])
     content = json.loads(told.stdout)
     assert content["format"] == "html"
     assert content["bytes"] == out.stat().st_size
