@@ -13,10 +13,12 @@ import pandas as pd
 from realitygap.embedded_sim import InputError
 from realitygap.embedded_sim.probes import probe
 from realitygap.models.belief.extended import NAME
-from realitygap.models.log.opened import json_values, parsing
+from realitygap.models.log.files import checked
+from realitygap.models.log.opened import json_values
 from realitygap.models.naming.proposal.expected import Flown, flown
 from realitygap.models.naming.proposal.ground import Ground
 from realitygap.models.naming.proposal.menu import flight
+from realitygap.studies.diagnosis.plan import ProposingTable
 from realitygap.studies.diagnosis.result import FILE, DiagnosisResult
 from realitygap.studies.diagnosis.twists import topics_of, write_twists
 from realitygap.studies.inputs.model import Model
@@ -131,15 +133,14 @@ def experiment(
         InputError: the diagnosis cannot be used or proposes nothing, or `out` cannot be used.
     """
     content, model, inputs = _read(diagnosis)
-    following = content.get("next_experiment")
-    if following is None:
+    if content.get("next_experiment") is None:
         raise InputError(
             "DIAGNOSIS",
             f"the verdict {content.get('verdict')}, and no manoeuvre proposed",
             "one that proposes a manoeuvre: it is ambiguous, and next_experiment is not null",
         )
-    with parsing("DIAGNOSIS: next_experiment", "as `realitygap diagnose` of today writes it"):
-        found = _planned(content, following, model)
+    read = {name: content[name] for name in ProposingTable.model_fields if name in content}
+    found = _planned(checked(ProposingTable, read, Path(FILE), "a diagnosis"), model)
     result = replace(found, content=dict(found.content) | inputs | {"versions": versions()})
     if out is not None:
         result.write(out, format=format, force=force)
@@ -159,34 +160,34 @@ def _read(given: DiagnosisResult | Path | str) -> tuple[Mapping[str, Any], Model
     return content, model, {"inputs": [file_read("DIAGNOSIS", path), *model.entries()]}
 
 
-def _planned(
-    content: Mapping[str, Any], following: Mapping[str, Any], model: Model
-) -> ProposedExperiment:
-    """The manoeuvre, its commands and its answers."""
-    plan, names, robot = following["plan"], content["robots"], model.file.robot
+def _planned(asked: ProposingTable, model: Model) -> ProposedExperiment:
+    """The manoeuvre and its commands."""
+    following, names, robot = asked.next_experiment, asked.robots, model.file.robot
+    plan = following.plan
     place = Ground(
-        **plan["ground"],
+        **plan.ground.model_dump(),
         body_radius=robot.body_radius,
         fastest=robot.wheel_speed_max,
-        step=float(plan["step"]),
+        step=plan.step,
     )
     point = replace(model.point(), drive=model.file.nominal_drive)
-    planned = flown(flight(probe(following["name"]), len(names), point, place), place)
+    planned = flown(flight(probe(following.name), len(names), point, place), place)
+    told = following.model_dump(mode="json")
     return ProposedExperiment(
         content={
             "schema": 1,
-            "manoeuvre": following["name"],
-            **{key: following[key] for key in ("does", "separates", "separation", "lamp", "needs")},
+            "manoeuvre": following.name,
+            **{key: told[key] for key in ("does", "separates", "separation", "lamp", "needs")},
             "step": place.step,
             "seconds": place.step * len(planned.t),
-            "ground": plan["ground"],
+            "ground": told["plan"]["ground"],
             "starts": [
                 {"robot": name, **dict(zip(("x", "y", "yaw"), pose, strict=True))}
                 for name, pose in zip(names, planned.poses[0].tolist(), strict=True)
             ],
             "topics": dict(zip(map(str, names), topics_of(names), strict=True)),
-            "rivals": plan["rivals"],
-            "expected": plan["expected"],
+            "rivals": told["plan"]["rivals"],
+            "expected": told["plan"]["expected"],
         },
         commands=_table(planned, names),
         model=model,

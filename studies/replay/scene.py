@@ -95,9 +95,9 @@ def scenes(log: Log, restart: float) -> tuple[Scene, ...]:
 
 def _step(log: MeasuredLog) -> float:
     """s between frames: the log's, but no shorter than a screen needs and a page can hold."""
-    t, start = log.t, log.start
-    took = pd.Series(t[start[1:] - 1] - t[start[:-1]]).groupby(log.segments["run"])
-    cells = float((took.max() * took.count()).sum())
+    t, start, runs = log.t, log.start, log.segments["run"]
+    begin, end = (pd.Series(t[rows]).groupby(runs) for rows in (start[:-1], start[1:] - 1))
+    cells = float(((end.max() - begin.min()) * end.count()).sum())
     return max(log.step, FRAME, cells / CELLS)
 
 

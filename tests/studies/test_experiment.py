@@ -238,8 +238,15 @@ def test_a_diagnosis_that_proposes_nothing_has_no_experiment(found: Path, tmp_pa
     with pytest.raises(rg.InputError, match="the verdict named, and no manoeuvre proposed"):
         asked({**content, "verdict": "named", "next_experiment": None})
     older = {k: v for k, v in content["next_experiment"].items() if k != "plan"}
-    with pytest.raises(rg.InputError, match="DIAGNOSIS: next_experiment"):
+    with pytest.raises(rg.InputError, match=r"diagnosis\.json: next_experiment\.plan: got nothing"):
         asked({**content, "next_experiment": older})
+    other = {**content["next_experiment"], "name": "stepps"}
+    with pytest.raises(rg.InputError, match="did you mean steps"):
+        asked({**content, "next_experiment": other})
+    plan = {**content["next_experiment"]["plan"], "step": 1e-12}
+    wild = {**content["next_experiment"], "plan": plan}
+    with pytest.raises(rg.InputError, match=r"next_experiment\.plan\.step: got 1e-12"):
+        asked({**content, "next_experiment": wild})
     with pytest.raises(rg.InputError, match="expected the directory of a diagnosis"):
         asked([1])
     with pytest.raises(rg.InputError, match="DIAGNOSIS"):

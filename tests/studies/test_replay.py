@@ -169,6 +169,13 @@ def test_a_long_log_has_fewer_frames_a_second(open_model: Path) -> None:
     assert 0.9 * CELLS < scene.poses.shape[0] * scene.poses.shape[1] <= CELLS + 2
 
 
+def test_clocks_that_are_years_apart_fill_no_memory(open_model: Path) -> None:
+    frame = driven_log(1, robots=2, rows=300)
+    frame.loc[frame["robot"] == 1, "t"] += 1.6e9
+    (scene,) = scenes(rg.read_log(frame, model=open_model), 5.0)
+    assert scene.poses.shape[0] * scene.poses.shape[1] <= CELLS + 2
+
+
 @given(
     seed=st.integers(0, 2**32 - 1),
     robots=st.integers(1, 3),
