@@ -71,6 +71,8 @@ class Probe:
     """It is about a wall, the lamp or the nest: in the open it means nothing."""
     least: int = 1
     """Robots without whom it means nothing."""
+    formation: bool = False
+    """Every robot works about a home of its own, wherever that is."""
 
 
 def probe(name: str) -> Probe:
@@ -277,7 +279,7 @@ MENU: Mapping[str, Probe] = {
     one.name: one
     for one in (
         *(
-            Probe(name=name, does=does, lap=_in_formation(name, wheels))
+            Probe(name=name, does=does, lap=_in_formation(name, wheels), formation=True)
             for name, (does, wheels) in _FORMATIONS.items()
         ),
         Probe(

@@ -40,9 +40,14 @@ class Flown(NamedTuple):
 
 
 def flown(flight: Flight, ground: Ground) -> Flown:
-    """A flight as it is to be commanded."""
-    step = ground.step
-    poses, commands = resampled(flight.poses, flight.commands, every=step, step=step)
+    """A flight as it is to be commanded, robots in formation as far apart as there is room.
+
+    Nobody leads them home between laps, so that one with a fault strays.
+    """
+    step, poses = ground.step, flight.poses
+    if flight.probe.formation:
+        poses = ground.spread(poses)
+    poses, commands = resampled(poses, flight.commands, every=step, step=step)
     lamp = DARK if flight.probe.dark else ground.lamp
     return Flown(
         step * np.arange(len(commands), dtype=np.float64), poses + ground.middle, commands, lamp

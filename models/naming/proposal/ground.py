@@ -16,6 +16,10 @@ from realitygap.models.log.measured import MeasuredLog
 DARK = SCENARIOS.index("none")
 DESIGNED_BODY = 0.035
 """m, radius of the e-puck, which the menu's lengths were made for. No rule: of the menu."""
+CLEARANCE = 0.7
+"""Body radii left to the wall. No rule: 25 mm of an e-puck, as everywhere in the menu."""
+WIDER = 2.0
+"""Most times by which a formation is spread. No rule: then nobody reaches a neighbour."""
 ROUNDING = 1e-9
 """s, and of a row. No rule: of numerics."""
 
@@ -65,6 +69,15 @@ class Ground:
             body_radius=self.body_radius / size,
             arena_radius=self.radius / size,
         )
+
+    def spread(self, poses: FloatArray) -> FloatArray:
+        """Poses (steps, robots, 3) with the robots' homes farther apart, where there is room."""
+        homes = poses[:1] * [1.0, 1.0, 0.0]
+        out = float(np.hypot(homes[..., 0], homes[..., 1]).max())
+        away = poses - homes
+        reach = float(np.hypot(away[..., 0], away[..., 1]).max())
+        room = self.radius - self.body_radius * (1.0 + CLEARANCE) - reach
+        return poses + max(0.0, min(WIDER, room / out if out else 1.0) - 1.0) * homes
 
     def full(self, poses: FloatArray, commands: FloatArray) -> tuple[FloatArray, FloatArray]:
         """A flight of such a robot as this one drives it: as large as it is, and no faster.

@@ -124,3 +124,17 @@ def test_what_means_nothing_for_these_robots_is_not_on_their_menu() -> None:
         "face-to-face"
     }
     assert flights(1, PointModel(), cramped) == []
+
+
+@pytest.mark.parametrize("robots", [1, 2, 3, 7, 13])
+def test_a_formation_is_spread_as_far_as_there_is_room(robots: int) -> None:
+    poses = flight(MENU["steps"], robots, PointModel(), ARENA).poses
+    spread = ARENA.spread(poses)
+    assert np.allclose(np.diff(spread, axis=0), np.diff(poses, axis=0))
+    assert np.hypot(spread[..., 0], spread[..., 1]).max() + 0.035 < ARENA.radius
+    for k in range(robots - 1):
+        before, after = (
+            np.hypot(*(one[0, k + 1 :, :2] - one[0, k, :2]).T).min() for one in (poses, spread)
+        )
+        assert after >= before - 1e-12
+        assert robots > 7 or after > 0.25
