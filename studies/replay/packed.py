@@ -15,6 +15,7 @@ else 1 and its length in `RAY_STEPS` parts of the reach. What is not known repea
 from __future__ import annotations
 
 import base64
+import math
 import zlib
 from typing import Any
 
@@ -57,7 +58,10 @@ def packed(scene: Scene, body_radius: float, reach: float) -> dict[str, Any]:
         "light": scene.light is not None,
         "carries": scene.carries is not None,
         "beliefs": [
-            [[one.begin, one.end, one.third] for one in scene.beliefs.get(robot, ())]
+            [
+                [one.begin, one.end, one.third, one.s0 if math.isfinite(one.s0) else None]
+                for one in scene.beliefs.get(robot, ())
+            ]
             for robot in scene.robots
         ],
         "data": base64.b64encode(zlib.compress(content, 9)).decode("ascii"),

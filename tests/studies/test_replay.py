@@ -107,8 +107,10 @@ def test_a_run_tells_what_its_robots_believed(run: Path, page: Path) -> None:
     generations = pd.read_parquet(run / "generations.parquet")
     (told,) = about(page)["runs"]
     for robot, rows in generations.groupby("robot"):
-        thirds = [third for _, _, third in told["beliefs"][int(str(robot))]]
-        assert thirds == rows.sort_values("generation")["s0_third"].tolist()
+        believed = told["beliefs"][int(str(robot))]
+        rows = rows.sort_values("generation")
+        assert [third for _, _, third, _ in believed] == rows["s0_third"].tolist()
+        assert [s0 for *_, s0 in believed] == rows["s0"].tolist()
     alone = rg.read_log(run / "samples.parquet")
     assert not scenes(alone, 5.0)[0].beliefs
 
@@ -325,6 +327,14 @@ def test_a_film_shows_robots_that_move(run: Path, tmp_path: Path) -> None:
     assert (np.abs(pictures[0] - pictures[1]).max(axis=2) > 50).sum() > 200
 
 
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
+def test_a_film_is_also_written_by_ffmpeg(run: Path, tmp_path: Path) -> None:
+    short = rg.read_log(run).table.query("t < 1")
+    for force in (False, True):
+        done = rg.watch(short, tmp_path / "replay.mp4", force=force)
+    assert done["bytes"] > 1000
+
+
 def test_rerun_gets_robots_and_ghosts_under_their_names(run: Path, tmp_path: Path) -> None:
     pytest.importorskip("rerun")
     frame = rg.read_log(run).table.query("t < 2").replace({"robot": {0: "/a b/"}})
@@ -394,6 +404,9 @@ def test_the_page_plays(run: Path, page: Path, tmp_path: Path, width: int, dark:
     between = 0.5 * (scene.poses[:, 752] + scene.poses[:, 753])  # 30.1 s is between two frames
     assert np.allclose(np.array(seen["poses"])[:, :2], between[:, :2], atol=1e-3)
     assert len(seen["rows"]) == 5
+    robot = scene.beliefs["0"][0]
+    lamp = ("opposite the nest", "no lamp", "at the nest")[robot.third]
+    assert f"{lamp}, {robot.s0:.2f}" in seen["rows"][0]
     assert seen["ink"] > 5000
 
 
