@@ -67,6 +67,12 @@ class Probe:
     Raises InputError where so many robots do not find room."""
     dark: bool = False
     """It needs the lamp switched off."""
+    walled: bool = False
+    """It is about a wall, the lamp or the nest: in the open it means nothing."""
+    least: int = 1
+    """Robots without whom it means nothing."""
+    formation: bool = False
+    """Every robot works about a home of its own, wherever that is."""
 
 
 def probe(name: str) -> Probe:
@@ -273,7 +279,7 @@ MENU: Mapping[str, Probe] = {
     one.name: one
     for one in (
         *(
-            Probe(name=name, does=does, lap=_in_formation(name, wheels))
+            Probe(name=name, does=does, lap=_in_formation(name, wheels), formation=True)
             for name, (does, wheels) in _FORMATIONS.items()
         ),
         Probe(
@@ -281,17 +287,21 @@ MENU: Mapping[str, Probe] = {
             does="a round along the wall, near to the lamp and far from it, turning and crossing "
             "the nest's edge",
             lap=_tour("tour"),
+            walled=True,
         ),
         Probe(
             name="dark-tour",
             does="the same round with the lamp switched off",
             lap=_tour("dark-tour"),
             dark=True,
+            walled=True,
         ),
         Probe(
             name="face-to-face",
             does="two robots turn before one another, then before the wall",
             lap=_pairs,
+            walled=True,
+            least=2,
         ),
         Probe(
             name="alone",

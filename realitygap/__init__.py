@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from realitygap.studies.blind.battery import blind
     from realitygap.studies.demo.demo import demo
     from realitygap.studies.diagnosis.diagnose import diagnose
+    from realitygap.studies.diagnosis.experiment import ProposedExperiment, experiment
     from realitygap.studies.diagnosis.result import DiagnosisResult
     from realitygap.studies.diagnosis.rules import rules
     from realitygap.studies.gain.measure import GainFailed, gain
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from realitygap.studies.inputs.logs import Log
     from realitygap.studies.inputs.model import Model
     from realitygap.studies.plumbing.execution import Unfinished
+    from realitygap.studies.replay.watch import watch
     from realitygap.studies.run.capture import capture
     from realitygap.studies.run.simulate import RunResult, simulate
     from realitygap.studies.study import StudyResult
@@ -47,6 +49,7 @@ _WHERE = {
     "InputError": "embedded_sim.errors",
     "Log": "studies.inputs.logs",
     "Model": "studies.inputs.model",
+    "ProposedExperiment": "studies.diagnosis.experiment",
     "Rules": "models.naming.rules",
     "RunResult": "studies.run.simulate",
     "StudyResult": "studies.study",
@@ -57,6 +60,7 @@ _WHERE = {
     "demo": "studies.demo.demo",
     "diagnose": "studies.diagnosis.diagnose",
     "effects": "studies.hidden.catalogue",
+    "experiment": "studies.diagnosis.experiment",
     "gain": "studies.gain.measure",
     "guessed_map": "studies.inputs.imported",
     "import_log": "studies.inputs.imported",
@@ -69,6 +73,7 @@ _WHERE = {
     "simulate": "studies.run.simulate",
     "study": "studies",
     "topics": "studies.inputs.imported",
+    "watch": "studies.replay.watch",
 }
 """Module of each public name: imported when it is asked for, so that starting costs little."""
 
@@ -81,6 +86,7 @@ __all__ = [
     "InputError",
     "Log",
     "Model",
+    "ProposedExperiment",
     "Rules",
     "RunResult",
     "StudyResult",
@@ -91,6 +97,7 @@ __all__ = [
     "demo",
     "diagnose",
     "effects",
+    "experiment",
     "gain",
     "guessed_map",
     "import_log",
@@ -103,6 +110,7 @@ __all__ = [
     "simulate",
     "study",
     "topics",
+    "watch",
 ]
 
 

@@ -91,6 +91,19 @@ def recorded(t: FloatArray, path: FloatArray, cut: Rows, motion: Motion) -> Floa
     return found
 
 
+def wheel_turns(
+    t: FloatArray, commands: FloatArray, cut: Rows, drive: Drive, delay: float
+) -> FloatArray:
+    """(rows, 2) rad each wheel has turned by each row, from 0; arguments as `driven`."""
+    turned = np.empty((len(t), 2))
+    for side in (0, 1):
+        # a body with one wheel of 1 m and an axle of 1 m turns as that wheel does
+        radius = (0.0, 1.0) if side else (-1.0, 0.0)
+        alone = with_changes(drive, wheel_radius=radius, axle=1.0)
+        turned[:, side] = driven(t, commands, cut, alone, delay)[:, 2]
+    return turned
+
+
 def _ahead(
     t: FloatArray, commands: FloatArray, cut: Rows, drive: Drive, seconds: float
 ) -> FloatArray:

@@ -12,6 +12,8 @@ from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
 from realitygap.studies.gain.words import LABELS, number, percent
 from realitygap.studies.pages.page import PageTable, Picture, Section, write_page
 from realitygap.studies.plumbing.rooms import scratch
+from realitygap.studies.replay.watch import watch
+from realitygap.studies.run.altered import MODEL
 from realitygap.studies.run.picture import draw_run
 
 IN_ONE_PICTURE = (
@@ -24,10 +26,20 @@ RUN_BEFORE = (
 )
 RUN_AFTER = "The same seed with the corrected simulator on board."
 
+WATCH_BEFORE = (
+    "replay-before.html",
+    "Watch it: ghosts show where the wrong simulator says the robots are.",
+)
+WATCH_AFTER = (
+    "replay-after.html",
+    "Watch it: ghosts show where the corrected simulator says the robots are.",
+)
+
 
 def write_report(story: Story, out: Path) -> None:
-    """Write report.html, and the picture of the first run as demo.png, into a directory."""
+    """Write report.html, the picture of the first run as demo.png, and replays into a directory."""
     draw_run(out / "before", story.secret.case, out / "demo.png")
+    _watched(out)
     with scratch() as room:
         main, after = room / "story.png", room / "after.png"
         draw_story(story, main)
@@ -43,12 +55,30 @@ def write_report(story: Story, out: Path) -> None:
                     "Co-evolution before",
                     [f"In simulation and in reality: {gap_line(story.before)}."],
                     figures=[Picture(out / "demo.png", RUN_BEFORE)],
+                    links=[WATCH_BEFORE],
                 ),
                 _named(story),
                 _predictions(story),
-                Section("Co-evolution after", _food(story), figures=[Picture(after, RUN_AFTER)]),
+                Section(
+                    "Co-evolution after",
+                    _food(story),
+                    figures=[Picture(after, RUN_AFTER)],
+                    links=[WATCH_AFTER],
+                ),
             ],
         )
+
+
+def _watched(out: Path) -> None:
+    """Write what the page links to: the first run of each co-evolution, with its model's ghosts."""
+    extended = out / "diagnosis" / MODEL
+    watch(out / "before", out / WATCH_BEFORE[0], title="The swarm before")
+    watch(
+        out / "after",
+        out / WATCH_AFTER[0],
+        model=extended if extended.is_file() else None,
+        title="The swarm after",
+    )
 
 
 def _lead(story: Story) -> str:

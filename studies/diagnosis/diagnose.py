@@ -26,7 +26,7 @@ from realitygap.models.naming.health.senses import (
 from realitygap.models.naming.proposal.propose import with_proposal
 from realitygap.models.naming.rules import Rules
 from realitygap.models.naming.strangers import without_strangers
-from realitygap.studies.diagnosis.next_experiment import commands
+from realitygap.studies.diagnosis.next_experiment import commands, plan
 from realitygap.studies.diagnosis.request import Request
 from realitygap.studies.diagnosis.result import FILE, DiagnosisResult
 from realitygap.studies.diagnosis.rules import changed
@@ -116,7 +116,7 @@ def _examined(
         begin("senses")
         examined = with_senses(motion, measured, model.tables, senses, seed=seed)
         begin("the next experiment")
-        whole = with_proposal(examined, model.tables)
+        whole = with_proposal(examined, measured, model.tables)
     said = replace(
         whole.diagnosis,
         names=measured.names,
@@ -135,6 +135,7 @@ def _result(request: Request, log: Log, examined: WholeExamination) -> Diagnosis
     if found.proposal is not None:
         following = commands(found.proposal, request, log.measured)
         content["next_experiment"]["commands"] = list(following)
+        content["next_experiment"]["plan"] = plan(found.proposal, log.model.file, log.measured)
     named = extension(found, log_hash=log_hash(request.logs), command=request.command)
     return DiagnosisResult(
         content=content,

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
 from realitygap.embedded_sim.probes import PREFIX
+from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.log.measured import MeasuredLog
+from realitygap.models.naming.proposal.ground import ground
 from realitygap.models.naming.proposal.menu import SECONDS, Proposal
 from realitygap.studies.diagnosis.request import Request
 from realitygap.studies.pages.page import PageTable, Picture, Section
@@ -31,12 +34,44 @@ def commands(proposal: Proposal, request: Request, log: MeasuredLog) -> tuple[st
     name = proposal.probe.name
     if request.model.typed:
         return (_together(request, f"out/{name}.parquet", name),)
-    cases = log.frame["case"].dropna() if "case" in log.frame else pd.Series(dtype=object)
-    case = "no-light" if proposal.probe.dark else None if cases.empty else cases.mode().iloc[0]
+    case = "no-light" if proposal.probe.dark else _case(log)
     perform = ["realitygap", "run", "--controller", PREFIX + name, "--minutes", f"{SECONDS / 60:g}"]
     perform += ["--robots", str(log.frame["robot"].nunique())]
     perform += ["--case", case] if case else []
     return typed(*perform, "--out", f"out/{name}"), _together(request, f"out/{name}", name)
+
+
+def plan(proposal: Proposal, model: ModelFile, log: MeasuredLog) -> dict[str, Any]:
+    """What `realitygap experiment` needs: the log's rate (s), its room, and what is expected."""
+    place, names = ground(model, log), sorted({int(robot) for robot in log.segments["robot"]})
+    where = {"x": place.x, "y": place.y, "radius": place.radius, "walled": place.walled}
+    keys = [f"{one.name}/{one.word}" if one.word else one.name for one in proposal.rivals]
+    return {
+        "step": place.step,
+        "ground": where,
+        "rivals": [
+            {"name": one.name, "word": one.word or None, "values": dict(one.values)}
+            for one in proposal.rivals
+        ],
+        "expected": [
+            {
+                "robot": None if one.robot is None else log.names.key(names[one.robot]),
+                "t_start": one.begin,
+                "t_end": one.end,
+                "channel": one.channel,
+                "unit": one.unit,
+                "values": dict(zip(keys, one.values, strict=True)),
+                "apart": one.apart,
+            }
+            for one in proposal.expected
+        ],
+    }
+
+
+def _case(log: MeasuredLog) -> str | None:
+    """Where the lamp mostly stood; None: the log does not tell."""
+    cases = log.frame["case"].dropna() if "case" in log.frame else pd.Series(dtype=object)
+    return None if cases.empty else str(cases.mode().iloc[0])
 
 
 def _together(request: Request, log: str, name: str) -> str:
@@ -58,8 +93,8 @@ def next_section(
         texts.append(f"Log {' and '.join(proposal.needs)}: the poses say the same of both.")
     if len(following) == 1:
         texts.append(
-            "The robots drive it themselves, by the schedule of docs/next-experiment.md. Log it "
-            "with the same kind of commands, and diagnose both together:"
+            "realitygap experiment writes it as commands for these robots. Log it with the same "
+            "kind of commands, and diagnose both together:"
         )
     texts += list(following)
     _draw(proposal, room / "menu.png", least)

@@ -64,6 +64,8 @@ class Section:
     texts: Sequence[str] = ()
     figures: Sequence[Picture] = ()
     tables: Sequence[PageTable] = field(default_factory=tuple)
+    links: Sequence[tuple[str, str]] = ()
+    """Files beside the page: name, and what is to be seen in it."""
 
 
 def write_page(path: Path, title: str, lead: str, sections: Sequence[Section]) -> None:

@@ -21,11 +21,13 @@ from realitygap.models.naming.health.reference import DIRECTORY, read_reference
 from realitygap.models.naming.health.senses import DIRECTORY as SENSES
 from realitygap.models.naming.health.senses import read_sense_reference
 from realitygap.reality.effects import parse_effects
+from realitygap.studies.diagnosis.experiment import experiment
 from realitygap.studies.fitness_gap.by_third import coevolution_gap
 from realitygap.studies.fitness_gap.generations import read_generations
 from realitygap.studies.gain.food import food_lines, read_transfer
 from realitygap.studies.gain.held_out import _kind
 from realitygap.studies.gain.truth import hidden_in
+from realitygap.studies.replay.watch import watch
 from tests.fuzz.labs import LABS
 from tests.fuzz.sound import DRIVE, ROWS, Reader, as_csv, as_parquet, table
 from tests.models.small import arena_log
@@ -119,6 +121,31 @@ def _transfer() -> dict[str, bytes]:
     return {"transfer.json": json.dumps(content).encode()}
 
 
+def _proposal() -> dict[str, bytes]:
+    """A diagnosis that proposes a manoeuvre, with its model."""
+    plan = {
+        "step": 0.1,
+        "ground": {"x": 0.0, "y": 0.0, "radius": 0.6, "walled": True},
+        "rivals": [{"name": "motor_lag", "word": None, "values": {"time_constant": 0.1}}],
+        "expected": [
+            {
+                **{"robot": 0, "t_start": 1.0, "t_end": 2.0, "channel": "along", "unit": "m"},
+                **{"values": {"motor_lag": 0.1}, "apart": 3.0},
+            }
+        ],
+    }
+    following = {
+        **{"name": "spins", "separates": ["motor_lag"], "does": "spins", "separation": 9.0},
+        **{"lamp": "as it was", "needs": [], "menu": [], "commands": [], "plan": plan},
+    }
+    content = {"verdict": "ambiguous", "robots": [0, 1], "next_experiment": following}
+    return {
+        "diagnosis.json": json.dumps(content).encode(),
+        "extended.toml": _models()["model.toml"],
+        **_tables(),
+    }
+
+
 def _truth() -> dict[str, bytes]:
     hidden = parse_effects(("motor_lag:time_constant=0.1,robot=3", "lamp_intensity:scale=2"), 10)
     return {"truth.json": json.dumps({"effects": [one.truth() for one in hidden]}).encode()}
@@ -207,6 +234,13 @@ READERS: dict[str, Reader] = {
         "generations.parquet",
     ),
     **LABS,
+    "log to watch": Reader(
+        lambda f: watch(f / "log.csv", f / "replay.html", force=True),
+        lambda: {"log.csv": as_csv(table())},
+        ("log.csv",),
+        "log.csv",
+    ),
+    "diagnosis": Reader(experiment, _proposal, ("diagnosis.json", "extended.toml")),
     "truth": Reader(hidden_in, _truth, ("truth.json",)),
     "run.json": Reader(_kind, _run, ("run.json",)),
     "transfer": Reader(lambda f: food_lines(read_transfer(f)), _transfer, ("transfer.json",)),

@@ -13,7 +13,10 @@ LOGS = Path(__file__).parent / "logs"
 ANSWERS = Path(__file__).parent / "answers"
 DIGITS = 6
 """That are kept: the last ones of a double differ between libraries of linear algebra."""
-CHANGING = ("inputs", "versions", "next_experiment.commands", "log.preflight")
+CHANGING = (
+    *("inputs", "versions", "log.preflight"),
+    *("next_experiment.commands", "next_experiment.plan"),
+)
 """Keys that name files and programs, and what a log says of itself: no part of the answer."""
 
 TOLD = ("verdict", "causes", "unexplained")

@@ -65,6 +65,10 @@ def test_the_whole_story_in_short(tmp_path: Path, capfd: pytest.CaptureFixture[s
     assert all(f"{k}/8 {name} …" in said for k, name in enumerate(CHAPTERS, start=1))
     content = json.loads((tmp_path / "demo.json").read_text(encoding="utf-8"))
     assert content["hidden"]["spec"] == draw(0).hidden.spec
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    for name in ("replay-before.html", "replay-after.html"):
+        assert f'<a href="{name}">' in page
+        assert "The swarm" in (tmp_path / name).read_text(encoding="utf-8")
     assert not list(tmp_path.rglob("truth.json"))  # nothing but the seal holds what was hidden
     assert content["diagnosis"]["named"]  # of so short a log more may be named beside it
     assert "hidden was second_lamp: rightly named" in story.verdict

@@ -59,6 +59,7 @@ def test_a_diagnosis_says_that_there_was_no_pybullet(room: Path) -> None:
     "words",
     [
         ("gap", "ROOM/log.csv", *ROBOT, "--out", "OUT"),
+        ("replay", "ROOM/log.csv", *ROBOT, "--out", "OUT.html"),
         (
             "gain",
             "--log",

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -19,7 +20,9 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.embedded_sim.pilot import fly
 from realitygap.embedded_sim.probes import MENU, Probe
 from realitygap.models.gap.conditions import NEAR_ROBOT, NEAR_WALL
+from realitygap.models.naming.engine.hypothesis import Term
 from realitygap.models.naming.engine.information import inverted
+from realitygap.models.naming.proposal.ground import Ground
 
 SECONDS = 120.0
 """s of a proposed run: as long as the logs that the diagnosis is made for. No rule: the
@@ -48,6 +51,39 @@ class Option:
     """Of the nearest rival, standard deviations."""
 
 
+class Rival(NamedTuple):
+    """A cause as it would have to be to explain the log."""
+
+    name: str
+    word: str
+    """Such as which wheel; empty: none."""
+    values: Mapping[str, float]
+    """By parameter, as fitted: nothing that healthy robots show is taken off."""
+
+    @classmethod
+    def fitted(cls, term: Term, coordinates: FloatArray) -> Rival:
+        """A term at coordinates (p,)."""
+        values = term.cause.values(coordinates).tolist()
+        names = (p.name for p in term.cause.parameters)
+        return cls(term.cause.name, term.variant, dict(zip(names, values, strict=True)))
+
+
+class Expected(NamedTuple):
+    """What one channel will read where it tells rivals apart best."""
+
+    robot: int | None
+    """Index; None: any, whenever it happens."""
+    begin: float
+    """s."""
+    end: float
+    channel: str
+    unit: str
+    values: tuple[float, ...]
+    """Under each rival."""
+    apart: float
+    """Between the first and the nearest other, in standard deviations of the log's noise."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Proposal:
     """The manoeuvre to perform, for one ambiguous cause."""
@@ -58,6 +94,10 @@ class Proposal:
     """The menu, best first."""
     needs: tuple[str, ...] = ()
     """Columns that must be logged and were not."""
+    rivals: tuple[Rival, ...] = ()
+    """What is to be told apart, the named cause first."""
+    expected: tuple[Expected, ...] = ()
+    """What the best manoeuvre will show under each, the channel that tells most first."""
 
     @property
     def best(self) -> Option:
@@ -74,21 +114,36 @@ class Proposal:
         return self.best.separation >= least
 
 
-def flights(robots: int, model: PointModel) -> list[Flight]:
-    """Every manoeuvre that so many robots find room for."""
+def flights(robots: int, model: PointModel, ground: Ground) -> list[Flight]:
+    """Every manoeuvre that so many robots find room for and that means something for them."""
     found = []
     for probe in MENU.values():
+        if robots < probe.least or (probe.walled and not ground.walled):
+            continue
         try:
-            poses, commands = fly(probe, robots, model, round(SECONDS / CONTROL_STEP))
+            found.append(flight(probe, robots, model, ground))
         except InputError:
             continue
-        found.append(
-            Flight(probe=probe, poses=poses, commands=commands, clear=_clear(poses, model))
-        )
     return found
 
 
-def _clear(poses: FloatArray, model: PointModel) -> npt.NDArray[np.bool_]:
+def flight(probe: Probe, robots: int, model: PointModel, ground: Ground) -> Flight:
+    """A manoeuvre of two minutes as robots of this size and speed drive it, about the middle.
+
+    Raises:
+        InputError: so many robots do not find room.
+    """
+    steps = round(SECONDS * ground.pace / CONTROL_STEP)
+    poses, commands = ground.full(*fly(probe, robots, ground.believed(model), steps))
+    reach = float(np.hypot(poses[..., 0], poses[..., 1]).max()) + ground.body_radius
+    if reach > ground.radius:
+        raise InputError("room", f"{ground.radius:g} m", f"{reach:g} m for {probe.name}")
+    wall = ground.radius if ground.walled else np.inf
+    clear = _clear(poses, wall, ground.body_radius)
+    return Flight(probe=probe, poses=poses, commands=commands, clear=clear)
+
+
+def _clear(poses: FloatArray, wall: float, body: float) -> npt.NDArray[np.bool_]:
     """(steps, robots) where nothing but floor and wheels has a part in the motion."""
     steps, robots = poses.shape[:2]
     nearest = np.full((steps, robots), np.inf)
@@ -96,8 +151,8 @@ def _clear(poses: FloatArray, model: PointModel) -> npt.NDArray[np.bool_]:
         away = np.hypot(*(poses[:, :, :2] - poses[:, k : k + 1, :2]).transpose(2, 0, 1))
         away[:, k] = np.inf
         nearest[:, k] = away.min(axis=1, initial=np.inf)
-    reach = model.arena_radius - model.body_radius - NEAR_WALL
-    alone = nearest > 2.0 * model.body_radius + NEAR_ROBOT
+    reach = wall - body - NEAR_WALL
+    alone = nearest > 2.0 * body + NEAR_ROBOT
     return np.asarray(alone & (np.hypot(poses[..., 0], poses[..., 1]) < reach))
 
 

@@ -21,7 +21,16 @@ from realitygap.models.naming.channels.motion.tracks import LEAST_ROWS, Tracks
 from realitygap.models.naming.channels.motion.twins import TICK
 from realitygap.models.naming.engine.hypothesis import Fit, Term, Terms
 from realitygap.models.naming.findings import Named
-from realitygap.models.naming.proposal.menu import Flight, Proposal, distance, flights, ranked
+from realitygap.models.naming.proposal.expected import flown, moves
+from realitygap.models.naming.proposal.ground import Ground
+from realitygap.models.naming.proposal.menu import (
+    Flight,
+    Proposal,
+    Rival,
+    distance,
+    flights,
+    ranked,
+)
 
 ENCODER_NOISE = TICK / CONTROL_STEP / np.sqrt(6.0)
 """rad/s; a speed is the difference of two rounded angles. No rule: of the sensor."""
@@ -32,12 +41,13 @@ OPEN = 10.0
 good as free."""
 
 
-def propose(examined: Examination, named: Named) -> Proposal | None:
+def propose(examined: Examination, named: Named, ground: Ground) -> Proposal | None:
     """The manoeuvres that separate an ambiguous cause from its rivals; None: none can be flown.
 
     Args:
         examined: The log's.
         named: One of its causes in motion, with alternatives.
+        ground: Where it can be flown.
     """
     problem = _problem(examined, named)
     others = tuple(
@@ -56,7 +66,8 @@ def propose(examined: Examination, named: Named) -> Proposal | None:
     where = [examined.tracks.robots.index(robot) for robot in named.robots]
     believed = examined.model.point_model()
     separations = {}
-    for flight in flights(len(examined.tracks.robots), believed):
+    flown_ones = flights(len(examined.tracks.robots), believed, ground)
+    for flight in flown_ones:
         tracks = _tracks(flight, where, named.robots, examined.tracks)
         if tracks is None:
             continue
@@ -72,10 +83,21 @@ def propose(examined: Examination, named: Named) -> Proposal | None:
     if not separations:
         return None
     unseen = bool(twins) and examined.tracks.encoders is None
+    options = ranked(separations)
+    every = [(named.term, own), *((rival, fit) for rival, fit in fits if fit is not None)]
+    best = next(one for one in flown_ones if one.probe.name == options[0].name)
+    noise = examined.tracks.noise
     return Proposal(
         separates=(named.term.cause.name, *dict.fromkeys(t.cause.name for t in rivals)),
-        options=ranked(separations),
+        options=options,
         needs=ENCODERS if unseen else (),
+        rivals=tuple(Rival.fitted(t, fit.coordinates[0][fit.part(t)]) for t, fit in every),
+        expected=moves(
+            flown(best, ground),
+            where,
+            [problem.motions(fit.terms, fit.coordinates) for _, fit in every],
+            (noise.position, noise.heading),
+        ),
     )
 
 

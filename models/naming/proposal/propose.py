@@ -6,27 +6,32 @@ from dataclasses import replace
 
 from realitygap.embedded_sim import PointModel, Tables
 from realitygap.models.belief.senses import SenseCause
+from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.naming.channels.senses.joined import WholeExamination
 from realitygap.models.naming.diagnosis import alternatives
 from realitygap.models.naming.findings import Named
 from realitygap.models.naming.proposal import motion, senses
+from realitygap.models.naming.proposal.ground import Ground, ground
 from realitygap.models.naming.proposal.menu import Proposal
 
 
-def with_proposal(examined: WholeExamination, tables: Tables | None) -> WholeExamination:
+def with_proposal(
+    examined: WholeExamination, log: MeasuredLog, tables: Tables | None
+) -> WholeExamination:
     """The examination with a manoeuvre proposed for the first ambiguous cause that one settles.
 
     Args:
         examined: Of motion, and of the senses where the log has any.
+        log: Of which; where the model has no arena it shows how much room there is.
         tables: Captured, of the model; None: its sensors are not modelled.
     """
-    found = examined.diagnosis
+    found, place = examined.diagnosis, ground(examined.model, log)
     model = examined.model.point_model(tables)
     said = []
     for one in found.named:
         if not alternatives(one):
             continue
-        proposal = _proposal(examined, one, model)
+        proposal = _proposal(examined, one, model, place)
         if proposal is not None and proposal.promises(found.rules.promising):
             return replace(examined, diagnosis=replace(found, proposal=proposal))
         said.append(_no_help(one, proposal))
@@ -34,10 +39,12 @@ def with_proposal(examined: WholeExamination, tables: Tables | None) -> WholeExa
     return replace(examined, diagnosis=replace(found, not_checked=missed))
 
 
-def _proposal(examined: WholeExamination, named: Named, model: PointModel) -> Proposal | None:
+def _proposal(
+    examined: WholeExamination, named: Named, model: PointModel, place: Ground
+) -> Proposal | None:
     if not isinstance(named.term.cause, SenseCause):
-        return motion.propose(examined, named)
-    return senses.propose(examined.senses, named, model, examined.diagnosis.rules)
+        return motion.propose(examined, named, place)
+    return senses.propose(examined.senses, named, model, place, examined.diagnosis.rules)
 
 
 def _no_help(named: Named, proposal: Proposal | None) -> str:

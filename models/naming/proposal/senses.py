@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from realitygap.embedded_sim import CONTROL_STEP, SCENARIOS, SENSORS, PointModel
+from realitygap.embedded_sim import CONTROL_STEP, SENSORS, PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.senses import Belief, SenseCause
 from realitygap.models.naming.channels.senses.diagnose import SenseExamination
@@ -25,12 +26,21 @@ from realitygap.models.naming.engine.items import Item
 from realitygap.models.naming.engine.state import SWARM
 from realitygap.models.naming.engine.weighed import Weighed
 from realitygap.models.naming.findings import Named
-from realitygap.models.naming.proposal.menu import Flight, Proposal, distance, flights, ranked
+from realitygap.models.naming.proposal.expected import flown, reads
+from realitygap.models.naming.proposal.ground import DARK, Ground
+from realitygap.models.naming.proposal.menu import (
+    Expected,
+    Flight,
+    Proposal,
+    Rival,
+    distance,
+    flights,
+    ranked,
+)
 from realitygap.models.naming.rules import Rules
 
 STRIDE = 5
 """Control steps from one row looked at to the next. No rule: it bounds the work."""
-DARK = SCENARIOS.index("none")
 ONLY_ROBOTS_TELL = {"ir_gain", "wall_albedo"}
 """Causes that readings of the wall cannot separate."""
 
@@ -48,7 +58,7 @@ class _Believed(NamedTuple):
 
 
 def propose(
-    senses: SenseExamination, named: Named, model: PointModel, rules: Rules
+    senses: SenseExamination, named: Named, model: PointModel, ground: Ground, rules: Rules
 ) -> Proposal | None:
     """The manoeuvres that separate an ambiguous cause from its rivals; None: none can be flown.
 
@@ -56,6 +66,7 @@ def propose(
         senses: The log's.
         named: One of its causes in the senses, with alternatives.
         model: What is believed, with sensor tables where sensors were judged.
+        ground: Where it can be flown.
         rules: What naming is tuned to.
     """
     rivals = tuple(named.evidence.rivals)
@@ -68,14 +79,39 @@ def propose(
         return None
     separations = {}
     robots = len(senses.found.state.robots)
-    for flight in flights(robots, model):
+    flown_ones = flights(robots, model, ground)
+    for flight in flown_ones:
         if of_nest:
             far = [_edges_apart(flight, own, rival, model) for rival in others]
         else:
             assert senses.sight is not None
             far = [_apart(senses.sight, flight, model, own, rival, rules) for rival in others]
         separations[flight.probe.name] = far
-    return Proposal(separates=separates, options=ranked(separations)) if separations else None
+    if not separations:
+        return None
+    options, every = ranked(separations), (own, *others)
+    best = next(one for one in flown_ones if one.probe.name == options[0].name)
+    return Proposal(
+        separates=separates,
+        options=options,
+        rivals=tuple(Rival.fitted(one.term, one.coordinates) for one in every),
+        expected=(
+            *_of_robots(every, options[0].separation),
+            *reads(flown(best, ground), [[b.of(model) for b in one.beliefs] for one in every]),
+        ),
+    )
+
+
+def _of_robots(every: Sequence[_Believed], apart: float) -> tuple[Expected, ...]:
+    """That louder sensors are louder before other robots too, and a brighter wall is not."""
+    if {one.term.cause.name for one in every} != ONLY_ROBOTS_TELL:
+        return ()
+    factors = [
+        1.0 if one.term.cause.name == "wall_albedo" else one.term.cause.values(one.coordinates)[0]
+        for one in every
+    ]
+    channel, unit = "infrared before another robot", "times the model's"
+    return (Expected(None, 0.0, 0.0, channel, unit, tuple(map(float, factors)), apart),)
 
 
 def _believed(found: SensesFound, named: Named) -> list[_Believed]:

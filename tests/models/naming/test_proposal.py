@@ -29,13 +29,15 @@ from realitygap.models.naming.engine.items import Item
 from realitygap.models.naming.health.inherent import INHERENT
 from realitygap.models.naming.health.reference import Column, Reference, no_reference
 from realitygap.models.naming.proposal import motion
+from realitygap.models.naming.proposal.ground import Ground
 from realitygap.models.naming.proposal.menu import Proposal, distance, flights, ranked
 from realitygap.models.naming.proposal.propose import with_proposal
 from realitygap.models.naming.rules import Rules
 from tests.models.small import driven_log
 
 MODEL = read_model_file("epuck")
-FLIGHTS = {one.probe.name: one for one in flights(2, PointModel())}
+ARENA = Ground(x=0.0, y=0.0, radius=0.6, walled=True, body_radius=0.035, fastest=6.28)
+FLIGHTS = {one.probe.name: one for one in flights(2, PointModel(), ARENA)}
 
 
 def apart(
@@ -143,14 +145,16 @@ def test_weak_motors_without_encoders_ask_for_steps_with_encoders() -> None:
     )
     log = make_log(frame, drive=Drive())
     motion_only = diagnose(log, MODEL.model_copy(update={"arena": None}), sound(160.0))
-    examined = with_proposal(with_senses(motion_only, log, None, None), None)
+    examined = with_proposal(with_senses(motion_only, log, None, None), log, None)
     cause = examined.diagnosis.named[0]
     assert {cause.term.cause.name, *alternatives(cause)} == {"weak_motor", "low_friction"}
     proposal = examined.diagnosis.proposal
     assert proposal is not None
     assert proposal.best.name == "steps"
     assert proposal.needs == ("wheel_left", "wheel_right")
-    assert {o.name for o in proposal.options} == set(MENU)
+    feasible = {name for name, one in MENU.items() if not one.walled and one.least == 1}
+    assert {o.name for o in proposal.options} == feasible
+    assert [rival.name for rival in proposal.rivals] == list(proposal.separates)
 
 
 def test_a_nest_displaced_is_told_from_a_larger_one_where_all_its_edge_is_crossed() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
-from realitygap.models.gap.driven import driven, recorded, with_changes
+from realitygap.models.gap.driven import driven, recorded, wheel_turns
 from realitygap.models.naming.channels.motion.tracks import Rows, Tracks
 
 
@@ -51,19 +51,13 @@ def wheel_angles(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
     """(rows, 2) rad each wheel has turned by each row, from 0 at its segment's first row."""
     angles = np.empty((len(tracks.t), 2))
     for robot, (begin, end, cut) in enumerate(_pieces(tracks)):
-        drive = motions[robot].wheels
-        for side in (0, 1):
-            # a body with one wheel of 1 m and an axle of 1 m turns as that wheel does
-            radius = (0.0, 1.0) if side else (-1.0, 0.0)
-            alone = with_changes(drive, wheel_radius=radius, axle=1.0)
-            turned = driven(
-                tracks.t[begin:end],
-                tracks.commands[begin:end],
-                cut,
-                alone,
-                motions[robot].motor_delay,
-            )
-            angles[begin:end, side] = turned[:, 2]
+        angles[begin:end] = wheel_turns(
+            tracks.t[begin:end],
+            tracks.commands[begin:end],
+            cut,
+            motions[robot].wheels,
+            motions[robot].motor_delay,
+        )
     return angles
 
 

@@ -1,0 +1,1 @@
+"""Watching a log: robots, what they sensed and believed, where the model says they should be."""
