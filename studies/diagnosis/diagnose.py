@@ -106,7 +106,7 @@ def _examined(
         measured, placed = in_the_models_frame(
             measured, model.file, model.tables, alike=alike, rules=rules
         )
-        if model.file.arena is not None:
+        if model.file.arena is not None and not alike:
             point = model.file.point_model(model.tables)
             measured, strangers = without_strangers(measured, point)
             placed = (*placed, *strangers)
