@@ -14,8 +14,8 @@ import numpy.typing as npt
 from realitygap.embedded_sim import SENSORS
 from realitygap.reality import constants as k
 from realitygap.reality._optics import ffi, lib
-from realitygap.reality.engine import Engine
 from realitygap.reality.hardware import LAMP_PLACES, FloatArray, Hardware
+from realitygap.reality.rays import Rays
 
 
 def optics() -> Any:
@@ -72,7 +72,7 @@ class Infrared:
         self._draws = doubles(self._gauss), doubles(self._uniform)
         self._read = doubles(self.counts)
 
-    def sense(self, engine: Engine, poses: FloatArray) -> None:
+    def sense(self, world: Rays, poses: FloatArray) -> None:
         """Cast the rays that something can be in front of, and fill `counts`."""
         rays = lib.rgo_rays(
             self._optics,
@@ -83,7 +83,7 @@ class Infrared:
             self._owners,
         )
         if rays:
-            self._cast(engine, rays)
+            self._cast(world, rays)
         self._random.standard_normal(out=self._gauss)
         self._random.random(out=self._uniform)
         lib.rgo_infrared(
@@ -107,13 +107,13 @@ class Infrared:
             np.clip(more, 0.0, k.COUNTS_MAX, out=self.counts)
         self.counts *= self._alive
 
-    def _cast(self, engine: Engine, rays: int) -> None:
+    def _cast(self, world: Rays, rays: int) -> None:
         """What the rays meet, and how well it reflects."""
         start, end = self._start[:rays], self._end[:rays]
         if self._wall == 1.0:
-            engine.cast(start, end, self._fraction, self._normals)
+            world.cast(start, end, self._fraction, self._normals)
             return
-        engine.cast(start, end, self._fraction, self._normals, self._on_robot)
+        world.cast(start, end, self._fraction, self._normals, self._on_robot)
         self._reflectance[:] = np.where(self._on_robot, 1.0, self._wall)
 
 

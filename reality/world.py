@@ -18,6 +18,7 @@ from realitygap.reality.encoders import Encoders
 from realitygap.reality.engine import DEFAULT, engine_class
 from realitygap.reality.hardware import FloatArray, Hardware
 from realitygap.reality.motors import SUBSTEPS, Motors
+from realitygap.reality.rays import DEFAULT_RAYS, ClosedRays, Rays, RaysName
 from realitygap.reality.senses import Infrared, Light, Radio, Tracker
 
 
@@ -33,6 +34,7 @@ class World:
         poses: FloatArray | None = None,
         lamp_power: float = k.LAMP_POWER,
         engine: str = DEFAULT,
+        rays: RaysName = DEFAULT_RAYS,
     ) -> None:
         """Build the arena and put the robots down.
 
@@ -43,6 +45,7 @@ class World:
             poses: (robots, 3) m, m, rad to start from; drawn at random when absent.
             lamp_power: counts m^2.
             engine: Name of the physics engine.
+            rays: Who answers what infrared meets.
 
         Raises:
             InputError: the robots do not fit into the arena, or the engine is not installed.
@@ -70,6 +73,8 @@ class World:
             self.tracker.place_food(item, food)
         self.engine = engine_class(engine)(gravity=hardware.gravity)
         self.engine.add_ring()
+        closed = rays == "closed"
+        self._rays: Rays = ClosedRays(self.poses, k.ARENA_RADIUS) if closed else self.engine
         for i in range(robots):
             self.engine.add_epuck(
                 self.poses[i].tolist(),
@@ -88,7 +93,7 @@ class World:
         if not np.isfinite(self.poses).all():
             robot = int(np.argmin(np.isfinite(self.poses).all(axis=1)))
             raise Diverged(f"the physics diverged at step {self.time_step}, robot {robot}")
-        self.infrared.sense(self.engine, self.poses)
+        self.infrared.sense(self._rays, self.poses)
         self.light.sense(self.poses, self.time_step * k.CONTROL_STEP)
         self.tracker.measure(self.poses if self._past is None else self._past.late())
 

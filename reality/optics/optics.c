@@ -3,17 +3,25 @@
 #include <math.h>
 #include <string.h>
 
+#define PI 3.14159265358979323846 /* C11 itself has none */
 enum { SENSORS = 8 };
 
-void rgo_poses(int32_t robots, const double *bodies, const double *centre_of_mass, double *poses) {
+void rgo_poses(int32_t robots, const double *bodies, const double *velocities, double back,
+               const double *centre_of_mass, double *poses) {
     for (int32_t i = 0; i < robots; i++) {
         const double *b = bodies + 7 * i;
         const double qx = b[3], qy = b[4], qz = b[5], qw = b[6];
-        const double yaw = atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz));
+        double yaw = atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz));
+        if (velocities)
+            yaw = remainder(yaw - back * velocities[6 * i + 5], 2.0 * PI);
         const double c = cos(yaw), s = sin(yaw);
         poses[3 * i] = b[0] - c * centre_of_mass[0] + s * centre_of_mass[1];
         poses[3 * i + 1] = b[1] - s * centre_of_mass[0] - c * centre_of_mass[1];
         poses[3 * i + 2] = yaw;
+        if (velocities) {
+            poses[3 * i] -= back * velocities[6 * i];
+            poses[3 * i + 1] -= back * velocities[6 * i + 1];
+        }
     }
 }
 
@@ -57,13 +65,17 @@ int32_t rgo_rays(const rgo_optics *o, int32_t robots, const double *poses, const
 void rgo_cast(int32_t count, const double *from, const double *to, int32_t robots,
               const double *poses, double body_radius, int32_t facets, const double *outward,
               double wall_radius, double *fraction, double *normals, uint8_t *on_robot) {
+    const double clear = wall_radius * (1.0 - 1e-9); /* beyond any rounding */
     for (int32_t r = 0; r < count; r++) {
         const double px = from[3 * r], py = from[3 * r + 1];
         const double dx = to[3 * r] - px, dy = to[3 * r + 1] - py, length = sqrt(dx * dx + dy * dy);
         const double ux = dx / length, uy = dy / length;
         double nearest = length, nx = 0.0, ny = 0.0;
         uint8_t robot = 0;
-        for (int32_t f = 0; f < facets; f++) {
+        /* a ray between two points within the circle that the facets touch meets none */
+        const double ex = px + dx, ey = py + dy;
+        const int within = fmax(px * px + py * py, ex * ex + ey * ey) < clear * clear;
+        for (int32_t f = 0; f < facets && !within; f++) {
             const double ox = outward[2 * f], oy = outward[2 * f + 1];
             const double towards = ux * ox + uy * oy;
             if (towards <= 0.0)

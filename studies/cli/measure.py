@@ -16,6 +16,7 @@ from realitygap.studies.cli.options import (
     Minutes,
     Out,
     Quiet,
+    Rays,
     Seed,
     StudyOut,
     within,
@@ -38,6 +39,7 @@ def bench(
     out: Out,
     minutes: Minutes = 5.0,
     engine: Engine = "pybullet",
+    rays: Rays = "engine",
     force: Force = False,
     quiet: Quiet = False,
 ) -> Outcome:
@@ -46,7 +48,8 @@ def bench(
     from realitygap.studies.plumbing.progress import Progress
 
     with Progress("bench", 1.0, quiet) as shown:
-        found = bench(out, minutes=minutes, engine=engine, force=force, reach=shown.reach)
+        reach = shown.reach
+        found = bench(out, minutes=minutes, engine=engine, rays=rays, force=force, reach=reach)
     notes = [f"{name}: {value:.4g}" for name, value in found.items() if isinstance(value, float)]
     notes.append(f"the time of {found['robots']} robots co-evolving for {minutes:g} min goes to")
     notes += [f"  {part}: {100.0 * share:.1f} %" for part, share in found["shares"].items()]

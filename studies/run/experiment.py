@@ -26,6 +26,7 @@ from realitygap.reality import constants as k
 from realitygap.reality.effects import parse_effects
 from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.reality.hardware import lamp_power
+from realitygap.reality.rays import DEFAULT_RAYS, RaysName
 from realitygap.reality.world import World
 from realitygap.studies.inputs.model import Model
 from realitygap.studies.plumbing.provenance import versions, write_json
@@ -126,6 +127,7 @@ class RunConfig(BaseModel):
     """m from the lamp at which its contrast fades; None: the nominal lamp."""
     engine: EngineName = DEFAULT
     """Of the world's physics."""
+    rays: RaysName = DEFAULT_RAYS
 
     @property
     def steps(self) -> int:
@@ -193,6 +195,7 @@ def simulate(
         poses=swarm.starts if isinstance(swarm, Manoeuvre) else None,
         lamp_power=_lamp_power(config),
         engine=config.engine,
+        rays=config.rays,
     )
     try:
         run = name or run_name(config)

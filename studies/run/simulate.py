@@ -11,6 +11,7 @@ from typing import Any
 import pandas as pd
 
 from realitygap.reality.engine import DEFAULT, engine_name
+from realitygap.reality.rays import DEFAULT_RAYS, rays_name
 from realitygap.studies.inputs.imported import read_log
 from realitygap.studies.inputs.logs import Log
 from realitygap.studies.inputs.model import AnyModel, Model
@@ -99,6 +100,7 @@ def simulate(
     trials: int = 1,
     genome: str = "paper",
     engine: str = DEFAULT,
+    rays: str = DEFAULT_RAYS,
     samples: bool = True,
     out: Path | str | None = None,
     force: bool = False,
@@ -118,7 +120,8 @@ def simulate(
         reading: Of the paper: default, literal, neutral, reflect or wrap.
         trials: Embedded trials per genome.
         genome: paper or continuous.
-        engine: Physics of the world: pybullet, or mujoco (the extra [mujoco]).
+        engine: Physics of the world: pybullet, pybullet-strict or mujoco (the extra [mujoco]).
+        rays: Who answers what infrared meets: engine, or closed (exact).
         samples: Keep the measured log.
         out: Directory for the tables, run.json and, apart, truth.json; None: tables in memory.
         force: Replace a run that is there.
@@ -140,6 +143,7 @@ def simulate(
         trials=trials,
         genome=genome,
         engine=engine_name(engine),
+        rays=rays_name(rays),
         samples=samples,
     )
     with _place(out, force) as part:
