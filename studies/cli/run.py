@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 import realitygap as rg
-from realitygap.embedded_sim.probes import MENU
+from realitygap.embedded_sim.manoeuvres import NAMES
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import (
     Engine,
@@ -41,7 +41,7 @@ def run(
         str,
         typer.Option(
             help="coevolution, search, positive-phototaxis, negative-phototaxis, to-and-fro, "
-            "half-to-and-fro, or a manoeuvre, probe:NAME: " + ", ".join(MENU) + "."
+            "half-to-and-fro, or a manoeuvre, probe:NAME: " + ", ".join(NAMES) + "."
         ),
     ] = "coevolution",
     minutes: Minutes = 60.0,

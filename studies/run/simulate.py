@@ -6,14 +6,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
 from realitygap.reality.engine import DEFAULT, engine_name
 from realitygap.reality.rays import DEFAULT_RAYS, rays_name
-from realitygap.studies.inputs.imported import read_log
-from realitygap.studies.inputs.logs import Log
 from realitygap.studies.inputs.model import AnyModel, Model
 from realitygap.studies.pages.notebook import Telling
 from realitygap.studies.plumbing.output import whole_directory
@@ -22,6 +20,9 @@ from realitygap.studies.run import experiment
 from realitygap.studies.run.altered import MODEL
 from realitygap.studies.run.experiment import RunConfig
 from realitygap.studies.run.settings import run_config
+
+if TYPE_CHECKING:
+    from realitygap.studies.inputs.logs import Log
 
 FILE = "run.json"
 TABLES = ("generations", "deposits", "samples")
@@ -66,6 +67,8 @@ class RunResult(Telling):
             InputError: the run was too short to tell anything.
             KeyError: the run kept no samples.
         """
+        from realitygap.studies.inputs.imported import read_log  # every format: a run needs none
+
         if self.path is None:
             return read_log(self.samples, model=model)
         return read_log(self.path, model=model)
