@@ -4,7 +4,7 @@
 #include <string.h>
 
 #define PI 3.14159265358979323846 /* C11 itself has none */
-enum { SENSORS = 8 };
+enum { SENSORS = 8, NEAR = 64 };
 
 void rgo_poses(int32_t robots, const double *bodies, const double *velocities, double back,
                const double *centre_of_mass, double *poses) {
@@ -34,13 +34,32 @@ static int passes(double px, double py, double ux, double uy, double length, dou
     return ex * ex + ey * ey <= reach * reach;
 }
 
+/* Which robots are within `reach` of robot i? Returns how many; beyond NEAR none are told. */
+static int32_t neighbours(int32_t robots, const double *poses, int32_t i, double reach,
+                          int32_t *near) {
+    int32_t found = 0;
+    for (int32_t j = 0; j < robots; j++) {
+        const double dx = poses[3 * j] - poses[3 * i], dy = poses[3 * j + 1] - poses[3 * i + 1];
+        if (j == i || dx * dx + dy * dy > reach * reach)
+            continue;
+        if (found < NEAR)
+            near[found] = j;
+        found++;
+    }
+    return found;
+}
+
 int32_t rgo_rays(const rgo_optics *o, int32_t robots, const double *poses, const double *angles,
                  double *from, double *to, int32_t *owner) {
     const double start = o->body_radius + 1e-4; /* outside one's own body */
     const double slack = 1e-3;                  /* m; the engine's shapes against these circles */
+    const double reach = start + o->ir_range + o->body_radius + 2.0 * slack;
     int32_t count = 0;
     for (int32_t i = 0; i < robots; i++) {
         const double x = poses[3 * i], y = poses[3 * i + 1], yaw = poses[3 * i + 2];
+        int32_t near[NEAR];
+        const int32_t found = neighbours(robots, poses, i, reach, near);
+        const int crowded = found > NEAR; /* they overlap: ask all */
         for (int k = 0; k < SENSORS; k++) {
             const double ux = cos(yaw + angles[SENSORS * i + k]);
             const double uy = sin(yaw + angles[SENSORS * i + k]);
@@ -48,9 +67,11 @@ int32_t rgo_rays(const rgo_optics *o, int32_t robots, const double *poses, const
             const double ex = px + o->ir_range * ux, ey = py + o->ir_range * uy;
             const double clear = o->arena_radius - slack;
             int worth = ex * ex + ey * ey > clear * clear;
-            for (int32_t j = 0; j < robots && !worth; j++)
+            for (int32_t n = 0; n < (crowded ? robots : found) && !worth; n++) {
+                const int32_t j = crowded ? n : near[n];
                 worth = j != i && passes(px, py, ux, uy, o->ir_range, poses[3 * j],
                                          poses[3 * j + 1], o->body_radius + slack);
+            }
             if (!worth)
                 continue;
             from[3 * count] = px, from[3 * count + 1] = py;
@@ -134,11 +155,9 @@ void rgo_infrared(const rgo_optics *o, int32_t robots, const double *poses, cons
     }
 }
 
-/* Is the straight way from (px, py, height) to the lamp cut by robot j's body? */
-static int shaded(const rgo_optics *o, double px, double py, const rgo_lamp *lamp, double qx,
-                  double qy) {
-    const double vx = lamp->x - px, vy = lamp->y - py, length = sqrt(vx * vx + vy * vy);
-    const double ux = vx / length, uy = vy / length;
+/* Is the straight way from (px, py), `length` along unit u, to the lamp cut by a body at q? */
+static int shaded(const rgo_optics *o, double px, double py, double ux, double uy, double length,
+                  double lamp_height, double qx, double qy) {
     const double along = (qx - px) * ux + (qy - py) * uy;
     const double aside = (qx - px) * uy - (qy - py) * ux;
     const double half = o->body_radius * o->body_radius - aside * aside;
@@ -147,7 +166,7 @@ static int shaded(const rgo_optics *o, double px, double py, const rgo_lamp *lam
     const double enter = along - sqrt(half), leave = along + sqrt(half);
     if (leave <= 0.0 || enter >= length)
         return 0;
-    const double climb = (lamp->height - o->sensor_height) / length;
+    const double climb = (lamp_height - o->sensor_height) / length;
     const double lowest = climb > 0.0 ? fmax(enter, 0.0) : fmin(leave, length);
     return o->sensor_height + climb * lowest < o->body_top;
 }
@@ -168,9 +187,11 @@ void rgo_light(const rgo_optics *o, int32_t robots, const double *poses, const d
                 const double facing = vx * ux + vy * uy;
                 if (facing <= 0.0)
                     continue;
+                const double length = sqrt(vx * vx + vy * vy), wx = vx / length, wy = vy / length;
                 int dark = 0;
                 for (int32_t j = 0; j < robots && !dark; j++)
-                    dark = j != i && shaded(o, px, py, &lamp[l], poses[3 * j], poses[3 * j + 1]);
+                    dark = j != i && shaded(o, px, py, wx, wy, length, lamp[l].height, poses[3 * j],
+                                            poses[3 * j + 1]);
                 if (dark)
                     continue;
                 const double distance = sqrt(vx * vx + vy * vy + vz * vz);

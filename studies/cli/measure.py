@@ -60,14 +60,20 @@ def bench(
 
 @command(measure, epilog="Example: realitygap measure scaling --out out/scaling")
 def scaling(
-    out: Out, minutes: Minutes = 1.0, force: Force = False, quiet: Quiet = False
+    out: Out,
+    minutes: Minutes = 1.0,
+    engine: Engine = "pybullet",
+    rays: Rays = "engine",
+    force: Force = False,
+    quiet: Quiet = False,
 ) -> Outcome:
     """How a run's cost grows with robots (runs of --minutes) and with minutes, with a figure."""
     from realitygap.studies.measure.scaling import scaling
     from realitygap.studies.plumbing.progress import Progress
 
     with Progress("runs", 1.0, quiet) as shown:
-        table = scaling(out, minutes=minutes, force=force, reach=shown.reach)
+        reach = shown.reach
+        table = scaling(out, minutes=minutes, engine=engine, rays=rays, force=force, reach=reach)
     notes = table.to_string(index=False).splitlines()
     return Outcome(table, f"{len(table)} runs timed", out, notes)
 

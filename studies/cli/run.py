@@ -18,9 +18,9 @@ from realitygap.studies.cli.options import (
     Out,
     Quiet,
     Rays,
-    Robots,
     Seed,
     Trials,
+    within,
 )
 from realitygap.studies.cli.outcome import Outcome, command
 
@@ -45,7 +45,7 @@ def run(
         ),
     ] = "coevolution",
     minutes: Minutes = 60.0,
-    robots: Robots = 10,
+    robots: Annotated[int, typer.Option(callback=within(1, 1000), help="How many e-pucks.")] = 10,
     seed: Seed = 0,
     effect: Annotated[
         list[str] | None,
@@ -59,6 +59,12 @@ def run(
     genome: Genome = "paper",
     engine: Engine = "pybullet",
     rays: Rays = "engine",
+    arena_radius: Annotated[
+        float,
+        typer.Option(
+            help="m, from 0.6 to 10; nest and lamps move out with the wall, food stays as dense."
+        ),
+    ] = 0.6,
     no_samples: Annotated[bool, typer.Option("--no-samples", help="No samples.parquet.")] = False,
     force: Force = False,
     quiet: Quiet = False,
@@ -79,6 +85,7 @@ def run(
             seed=seed,
             engine=engine,
             rays=rays,
+            arena_radius=arena_radius,
             effects=effect or (),
             model=model,
             reading=reading,

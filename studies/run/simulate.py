@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
+from realitygap.reality.constants import ARENA_RADIUS
 from realitygap.reality.engine import DEFAULT, engine_name
 from realitygap.reality.rays import DEFAULT_RAYS, rays_name
 from realitygap.studies.inputs.model import AnyModel, Model
@@ -104,6 +105,7 @@ def simulate(
     genome: str = "paper",
     engine: str = DEFAULT,
     rays: str = DEFAULT_RAYS,
+    arena_radius: float = ARENA_RADIUS,
     samples: bool = True,
     out: Path | str | None = None,
     force: bool = False,
@@ -116,7 +118,7 @@ def simulate(
             at-nest-to-opposite or opposite-to-at-nest.
         controller: coevolution, a fixed controller, or a manoeuvre `probe:NAME`.
         minutes: Simulated, at most a day.
-        robots: At most 100.
+        robots: At most 1000; 100 find room in the nominal arena.
         seed: Everything random follows from it.
         effects: SPECs (`NAME:key=value,...`) of what to hide in reality; see `effects()`.
         model: On board; the e-puck if absent.
@@ -125,6 +127,7 @@ def simulate(
         genome: paper or continuous.
         engine: Physics of the world: pybullet, pybullet-strict or mujoco (the extra [mujoco]).
         rays: Who answers what infrared meets: engine, or closed (exact).
+        arena_radius: m; nest and lamps move out with the wall, and food stays as dense.
         samples: Keep the measured log.
         out: Directory for the tables, run.json and, apart, truth.json; None: tables in memory.
         force: Replace a run that is there.
@@ -147,6 +150,7 @@ def simulate(
         genome=genome,
         engine=engine_name(engine),
         rays=rays_name(rays),
+        arena_radius=arena_radius,
         samples=samples,
     )
     with _place(out, force) as part:

@@ -99,7 +99,7 @@ int main(void) {
     for (int world = 0; world < WORLDS; world++) {
         const rgo_optics o = {0.035, 0.075, 0.033,  draw(0.1, 3.0), 0.15, 0.009,
                               0.14,  2.0,   4095.0, 4095.0,         5.0};
-        const int32_t robots = world % 21; /* none as well; they may overlap and be outside */
+        const int32_t robots = world % 81; /* none as well; they may overlap and be outside */
         double *poses = filled(3 * (size_t)robots, -1.1 * o.arena_radius, 1.1 * o.arena_radius);
         double *angles = filled((size_t)SENSORS * (size_t)robots, -3.2, 3.2);
         infrared(&o, robots, poses, angles, outward);
