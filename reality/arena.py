@@ -12,7 +12,7 @@ from realitygap.reality import constants as k
 
 
 @dataclass(frozen=True)
-class Arena:
+class ForagingArena:
     """A circle about the origin."""
 
     radius: float = k.ARENA_RADIUS

@@ -13,12 +13,12 @@ import numpy.typing as npt
 
 from realitygap.embedded_sim import SENSOR_ANGLES, SENSORS
 from realitygap.reality import constants as k
-from realitygap.reality.arena import Arena
+from realitygap.reality.arena import ForagingArena
 from realitygap.reality.laws import Laws
 
 FloatArray = npt.NDArray[np.float64]
 
-NOMINAL = Arena()
+NOMINAL = ForagingArena()
 
 
 @dataclass
@@ -106,7 +106,7 @@ class Hardware:
     windows: list[Lamp]
     """More lamps, lit in every case."""
     laws: Laws
-    arena: Arena
+    arena: ForagingArena
     wall_reflectance: float = 1.0
     """Of the wall in the infrared, against the nominal wall."""
 
@@ -116,7 +116,7 @@ class Hardware:
         return len(self.axle)
 
     @classmethod
-    def nominal(cls, robots: int, arena: Arena = NOMINAL) -> Hardware:
+    def nominal(cls, robots: int, arena: ForagingArena = NOMINAL) -> Hardware:
         """Robots as the data sheets have them, all alike, in an arena."""
 
         def rows(values: npt.ArrayLike) -> FloatArray:

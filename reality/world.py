@@ -12,7 +12,7 @@ import numpy as np
 
 from realitygap.embedded_sim.errors import Diverged, InputError
 from realitygap.reality import constants as k
-from realitygap.reality.arena import Arena
+from realitygap.reality.arena import ForagingArena
 from realitygap.reality.clock import Past
 from realitygap.reality.effects.spec import HiddenEffect
 from realitygap.reality.encoders import Encoders
@@ -36,7 +36,7 @@ class World:
         lamp_power: float = k.LAMP_POWER,
         engine: str = DEFAULT,
         rays: RaysName = DEFAULT_RAYS,
-        arena: Arena = NOMINAL,
+        arena: ForagingArena = NOMINAL,
     ) -> None:
         """Build the arena and put the robots down.
 

@@ -23,7 +23,7 @@ from realitygap.embedded_sim.onboard import Swarm
 from realitygap.embedded_sim.probes import PREFIX, probe
 from realitygap.embedded_sim.reading import Bounding, reading
 from realitygap.reality import constants as k
-from realitygap.reality.arena import Arena
+from realitygap.reality.arena import ForagingArena
 from realitygap.reality.effects import parse_effects
 from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.reality.hardware import lamp_power
@@ -171,7 +171,7 @@ def simulate(
     began = time.perf_counter()
     hidden = parse_effects(effects, config.robots, unlisted)
     believed = model or Model.load(config.model)
-    arena = Arena(config.arena_radius)
+    arena = ForagingArena(config.arena_radius)
     # refused if wrong, whoever is to use it
     models = [widened(model, arena) for model in believed.on_board(config.robots)]
     inputs = believed.entries()

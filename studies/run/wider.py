@@ -7,10 +7,10 @@ from dataclasses import replace
 
 from realitygap.embedded_sim import PointModel
 from realitygap.embedded_sim._core import lib
-from realitygap.reality.arena import Arena
+from realitygap.reality.arena import ForagingArena
 
 
-def widened(model: PointModel, arena: Arena) -> PointModel:
+def widened(model: PointModel, arena: ForagingArena) -> PointModel:
     """A model of the nominal arena as one of a wider one: nest and lamps move out with the wall.
 
     What else it believes of them stays. Food is as dense, up to what a foraging state can hold.

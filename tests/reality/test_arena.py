@@ -9,20 +9,21 @@ import pytest
 
 from realitygap.embedded_sim import SENSOR_ANGLES
 from realitygap.reality import constants as k
-from realitygap.reality.arena import Arena
+from realitygap.reality.arena import ForagingArena
 from realitygap.reality.engine import EngineName
 from realitygap.reality.hardware import Hardware
 from realitygap.reality.rays import RAYS, ClosedRays, RaysName
 from realitygap.reality.senses import Infrared, Light, Tracker
 from realitygap.reality.world import World, scatter
 
-WIDE = Arena(1.5)
+WIDE = ForagingArena(1.5)
 OPPOSITE, AT_NEST = 0, 2
 
 
 def test_the_nominal_arena_is_the_papers() -> None:
-    assert (Arena().radius, Arena().nest, Arena().food_items) == (0.6, k.NEST, k.FOOD_ITEMS)
-    assert Arena().lamps == ((-0.6, 0.0), None, (0.6, 0.0))
+    usual = ForagingArena()
+    assert (usual.radius, usual.nest, usual.food_items) == (0.6, k.NEST, k.FOOD_ITEMS)
+    assert usual.lamps == ((-0.6, 0.0), None, (0.6, 0.0))
 
 
 def test_a_wider_one_has_its_nest_and_lamps_as_near_to_the_wall_and_food_as_dense() -> None:
@@ -74,7 +75,7 @@ def test_robots_drive_to_its_wall_and_see_it_there(engine: EngineName, rays: Ray
 
 
 def test_two_hundred_robots_find_room_where_they_are_as_dense_as_ten_usually() -> None:
-    wide = Arena(k.ARENA_RADIUS * math.sqrt(20.0))
+    wide = ForagingArena(k.ARENA_RADIUS * math.sqrt(20.0))
     poses = scatter(200, np.random.default_rng(3), wide.radius)
     far = np.hypot(poses[:, 0], poses[:, 1])
     assert far.max() < wide.radius - k.BODY_RADIUS

@@ -11,19 +11,19 @@ import pandas as pd
 import pytest
 
 from realitygap.models import load_model
-from realitygap.reality.arena import Arena
+from realitygap.reality.arena import ForagingArena
 from realitygap.studies.run.wider import widened
 from tests.helpers import realitygap
 
 
 def test_the_nominal_arena_leaves_a_model_as_it_is() -> None:
     model = load_model()
-    assert widened(model, Arena()) is model
+    assert widened(model, ForagingArena()) is model
 
 
 def test_nest_and_lamps_move_out_and_the_rest_stays() -> None:
     model = load_model()
-    wide = widened(model, Arena(1.2))
+    wide = widened(model, ForagingArena(1.2))
     assert wide.arena_radius == pytest.approx(1.2)
     assert wide.nest == pytest.approx((1.1, 0.0, 0.2))
     assert wide.lamps == ((-1.2, 0.0), None, (1.2, 0.0))
@@ -37,13 +37,13 @@ def test_nest_and_lamps_move_out_and_the_rest_stays() -> None:
 
 def test_what_a_model_has_wrong_stays_wrong() -> None:
     model = replace(load_model(), nest=(0.3, 0.4, 0.15), arena_radius=0.58)
-    wide = widened(model, Arena(1.6))
+    wide = widened(model, ForagingArena(1.6))
     assert wide.nest == pytest.approx((0.9, 1.2, 0.15))  # 1 m further on the same bearing
     assert wide.arena_radius == pytest.approx(1.58)
 
 
 def test_a_state_holds_so_much_food_and_no_more() -> None:
-    assert widened(load_model(), Arena(6.0)).food_items == 32
+    assert widened(load_model(), ForagingArena(6.0)).food_items == 32
 
 
 def test_a_run_in_a_wider_arena_uses_all_of_it(tmp_path: Path) -> None:
