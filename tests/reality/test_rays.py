@@ -117,6 +117,18 @@ def test_a_ray_that_begins_in_a_body_or_behind_the_wall_meets_it_at_once() -> No
     assert hits.fraction.tolist() == [0.0, 0.0, 1.0]  # the last comes back in
 
 
+def test_a_ray_that_just_reaches_the_wall_ends_there_and_one_that_does_not_meets_nothing() -> None:
+    middles = 2.0 * math.pi * np.arange(k.WALL_FACETS) / k.WALL_FACETS
+    out = np.stack([np.cos(middles), np.sin(middles), 0.0 * middles], axis=1)
+    nobody = np.zeros((0, 3))
+    for beyond, met in ((1e-6, True), (-1e-6, False)):
+        hits = asked(ClosedRays(nobody, RADIUS), 0.5 * out, (RADIUS + beyond) * out)
+        assert ((hits.fraction < 1.0) == met).all()
+        if met:
+            assert 0.5 + hits.fraction * (RADIUS + beyond - 0.5) == pytest.approx(RADIUS, abs=EXACT)
+            assert hits.normals == pytest.approx(-out[:, :2], abs=1e-12)
+
+
 def test_without_a_wall_only_bodies_are_met() -> None:
     start, end = np.array([[0.0, 0.0, 0.0]] * 2), np.array([[9.0, 0.0, 0.0], [0.0, 9.0, 0.0]])
     hits = asked(ClosedRays(np.array([[1.0, 0.0, 0.0]]), None), start, end)
