@@ -46,9 +46,10 @@ mutants: $(STAMP) ## whether the tests notice the faults listed in tests/mutants
 bench: $(STAMP) ## the benchmarks; numbers in out/bench.json
 	$(BIN)/realitygap measure bench --out out/bench.json --force
 
-asan: build/asan/asan_main build/asan/fuzz_main ## the C core under the address and undefined-behaviour sanitizers
+asan: build/asan/asan_main build/asan/fuzz_main build/asan/asan_optics ## the C under the address and undefined-behaviour sanitizers
 	./$<
 	./build/asan/fuzz_main 20000
+	./build/asan/asan_optics
 
 fuzz-core: build/asan/fuzz_main ## random structures against the C core; CALLS=1000000 SEED=1
 	./$< $(or $(CALLS),1000000) $(or $(SEED),1)
@@ -69,11 +70,16 @@ clean: ## remove the environment, builds and caches; results in out/ stay
 	rm -f embedded_sim/_core.c embedded_sim/_core*.so reality/_optics.c reality/_optics*.so
 	find $(wildcard $(PACKAGES) tests) -name __pycache__ -type d -prune -exec rm -rf {} +
 
+SANITIZED := $(CC) -std=c11 -g -O1 -fsanitize=address,undefined,float-cast-overflow \
+    -fno-sanitize-recover=all -Wall -Wextra -Werror -Wno-psabi -ffp-contract=off
+
 build/asan/%: tests/embedded_sim/%.c $(CORE_C) $(CORE_H)
 	@mkdir -p $(@D)
-	$(CC) -std=c11 -g -O1 -fsanitize=address,undefined,float-cast-overflow \
-	    -fno-sanitize-recover=all \
-	    -Wall -Wextra -Werror -Wno-psabi -ffp-contract=off -Iembedded_sim/core $(filter %.c,$^) -o $@ -lm
+	$(SANITIZED) -Iembedded_sim/core $(filter %.c,$^) -o $@ -lm
+
+build/asan/%: tests/reality/%.c reality/optics/optics.c reality/optics/optics.h
+	@mkdir -p $(@D)
+	$(SANITIZED) -Ireality/optics $(filter %.c,$^) -o $@ -lm
 
 # A changed packaging file installs anew; changed C only rebuilds the extensions.
 $(STAMP): $(PACKAGING) $(BUILD_INPUTS)

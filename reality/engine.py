@@ -15,21 +15,28 @@ import numpy.typing as npt
 
 from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.reality import constants as k
+from realitygap.reality.rays import Rays
 
 FloatArray = npt.NDArray[np.float64]
 
-EngineName = Literal["pybullet", "mujoco"]
+EngineName = Literal["pybullet", "pybullet-strict", "mujoco"]
 ENGINES: tuple[EngineName, ...] = get_args(EngineName)
 DEFAULT: EngineName = "pybullet"
-MISSING: dict[EngineName, str] = {
+MISSING: dict[str, str] = {
     "pybullet": "pybullet to be installed, which Python 3.11 has and later ones have not; "
     "or --engine mujoco, with the extra [mujoco]",
     "mujoco": "the extra [mujoco] to be installed",
 }
-"""What is expected where an engine's library is not there."""
+"""What is expected where an engine's library is not there, by library."""
+_CLASSES: dict[EngineName, tuple[str, str]] = {
+    "pybullet": ("pybullet", "PybulletEngine"),
+    "pybullet-strict": ("pybullet", "StrictPybulletEngine"),
+    "mujoco": ("mujoco", "MujocoEngine"),
+}
+"""Library and class of each."""
 
 
-class Engine(Protocol):
+class Engine(Rays, Protocol):
     """One physics world of one process: a level floor, a wall, robots numbered as they are added.
 
     Rebuilt for every run: that is what makes it repeatable. All is built before the first step.
@@ -78,20 +85,6 @@ class Engine(Protocol):
     def wheel_angles(self, out: FloatArray) -> None:
         """Fill (robots, 2): rad that the left and right wheel have turned against the body."""
 
-    def cast(
-        self,
-        start: FloatArray,
-        end: FloatArray,
-        fraction: FloatArray,
-        normals: FloatArray,
-        on_robot: npt.NDArray[np.bool_] | None = None,
-    ) -> None:
-        """Cast level rays (n, 3) in one batch against the wall and the robots' bodies.
-
-        Fills `fraction` (n,), 1 where nothing is hit, `normals` (n, 2), x and y of the surface,
-        and, if given, `on_robot` (n,): whether it is a robot that was hit. All may be longer.
-        """
-
 
 def engine_name(word: str, *, needed: bool = True) -> EngineName:
     """An engine that can be used.
@@ -106,13 +99,13 @@ def engine_name(word: str, *, needed: bool = True) -> EngineName:
     if word not in ENGINES:
         raise InputError("--engine", repr(word), nearest(word, ENGINES))
     if needed and not installed(word):
-        raise InputError("--engine", repr(word), MISSING[word])
+        raise InputError("--engine", repr(word), MISSING[_CLASSES[word][0]])
     return word
 
 
 def installed(name: EngineName) -> bool:
     """Whether an engine's library is there."""
-    return find_spec(name) is not None
+    return find_spec(_CLASSES[name][0]) is not None
 
 
 def engine_class(name: str) -> type[Engine]:
@@ -121,5 +114,6 @@ def engine_class(name: str) -> type[Engine]:
     Raises:
         InputError: no such engine, or its library is not installed.
     """
-    module = import_module(f"realitygap.reality.{engine_name(name)}_engine")
-    return cast("type[Engine]", module.ENGINE)
+    library, kind = _CLASSES[engine_name(name)]
+    module = import_module(f"realitygap.reality.{library}_engine")
+    return cast("type[Engine]", getattr(module, kind))

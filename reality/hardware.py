@@ -13,9 +13,12 @@ import numpy.typing as npt
 
 from realitygap.embedded_sim import SENSOR_ANGLES, SENSORS
 from realitygap.reality import constants as k
+from realitygap.reality.arena import ForagingArena
 from realitygap.reality.laws import Laws
 
 FloatArray = npt.NDArray[np.float64]
+
+NOMINAL = ForagingArena()
 
 
 @dataclass
@@ -103,6 +106,7 @@ class Hardware:
     windows: list[Lamp]
     """More lamps, lit in every case."""
     laws: Laws
+    arena: ForagingArena
     wall_reflectance: float = 1.0
     """Of the wall in the infrared, against the nominal wall."""
 
@@ -112,8 +116,8 @@ class Hardware:
         return len(self.axle)
 
     @classmethod
-    def nominal(cls, robots: int) -> Hardware:
-        """Robots as the data sheets have them, all alike."""
+    def nominal(cls, robots: int, arena: ForagingArena = NOMINAL) -> Hardware:
+        """Robots as the data sheets have them, all alike, in an arena."""
 
         def rows(values: npt.ArrayLike) -> FloatArray:
             return np.tile(np.asarray(values, dtype=np.float64), (robots, 1))
@@ -140,19 +144,13 @@ class Hardware:
             light_gain=rows([1.0] * SENSORS),
             light_ambient=rows([k.LIGHT_AMBIENT] * SENSORS),
             light_response=rows([1.0] * SENSORS),
-            nest=rows(k.NEST),
+            nest=rows(arena.nest),
             lamp=Lamp(),
             windows=[],
             laws=Laws(),
+            arena=arena,
         )
 
-
-LAMP_PLACES: tuple[tuple[float, float] | None, ...] = (
-    (-k.LAMP_RADIUS, 0.0),
-    None,
-    (k.LAMP_RADIUS, 0.0),
-)
-"""m: where the lamp stands for each of `embedded_sim.SCENARIOS`; the nest is on +x."""
 
 NEST_DIRECTION = math.atan2(k.NEST[1], k.NEST[0])
 """rad from the arena's centre."""

@@ -16,8 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from realitygap.reality import constants as k
-from realitygap.reality._optics import ffi, lib
-from realitygap.reality.senses import doubles
+from realitygap.reality.rays import OUTWARD, ClosedRays
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -46,7 +45,6 @@ _SKID, _LEFT, _RIGHT = "skid", "left", "right"
 _POSITIONS, _SPEEDS = 9, 8
 """Of one robot: the free body's seven and six, and its wheels' angles."""
 _FACET = 2.0 * math.pi * np.arange(k.WALL_FACETS) / k.WALL_FACETS
-_OUTWARD = np.stack([np.cos(_FACET), np.sin(_FACET)], axis=1)
 _C, _S = np.cos(0.5 * _FACET), np.sin(0.5 * _FACET)
 _INWARD = math.sqrt(0.5) * np.stack([_C, _S, -_C, _S], axis=1)
 """Quaternions (w, x, y, z) that turn the z axis to each facet's inward normal."""
@@ -76,8 +74,7 @@ class MujocoEngine:
         option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         _plane(self._spec.worldbody, "floor")
         self._frictions: list[float] = []
-        self._outward: FloatArray = _OUTWARD[:0]
-        self._ring_radius = 0.0
+        self._ring: float | None = None
         self._model: Any = None
         self._data: Any = None
 
@@ -87,7 +84,7 @@ class MujocoEngine:
 
     def add_ring(self, radius: float = k.ARENA_RADIUS) -> None:
         """The arena's circular wall, of which each robot meets the facet next to it."""
-        self._outward, self._ring_radius = _OUTWARD, radius
+        self._ring = radius
 
     def add_epuck(
         self,
@@ -145,8 +142,8 @@ class MujocoEngine:
         self._build()
         model, data, motors = self._model, self._data, len(self._housing)
         for _ in range(steps):
-            if len(self._outward):
-                self._turn_walls()
+            if self._ring is not None:
+                self._turn_walls(self._ring)
             mujoco.mj_step1(model, data)
             asked, spring = data.efc_aref, data.efc_KBIP  # m/s^2 or rad/s^2 of every constraint
             asked[:motors] += self._housing
@@ -176,31 +173,17 @@ class MujocoEngine:
         normals: FloatArray,
         on_robot: npt.NDArray[np.bool_] | None = None,
     ) -> None:
-        """Cast level rays (n, 3) against the wall's facets and the upright bodies, exactly."""
+        """As `Rays`, in closed form."""
         poses = np.empty((len(self._frictions), 3))
         self.poses(poses)
-        met = np.empty(len(start), dtype=np.bool_) if on_robot is None else on_robot
-        lib.rgo_cast(
-            len(start),
-            doubles(start),
-            doubles(end),
-            len(poses),
-            doubles(poses),
-            k.BODY_RADIUS,
-            len(self._outward),
-            doubles(self._outward),
-            self._ring_radius,
-            doubles(fraction),
-            doubles(normals),
-            ffi.from_buffer("uint8_t[]", met),
-        )
+        ClosedRays(poses, self._ring).cast(start, end, fraction, normals, on_robot)
 
     def _build(self) -> None:
         """Say what meets what, and compile; once."""
         if self._model is not None:
             return
         floor = {"margin": FLOOR_REACH}
-        if len(self._outward):
+        if self._ring is not None:
             for n in range(len(self._frictions)):
                 wall = self._spec.worldbody.add_body(mocap=True)
                 _plane(wall, f"wall{n}")
@@ -208,7 +191,7 @@ class MujocoEngine:
             self._pair(f"{_SKID}{n}", "floor", condim=1, **floor)
             for side in (_LEFT, _RIGHT):
                 self._pair(f"{side}{n}", "floor", friction=[friction] * 2 + [0.0] * 3, **floor)
-            if len(self._outward):
+            if self._ring is not None:
                 self._meet(f"body{n}", f"wall{n}", k.BODY_FRICTION)
             for other in range(n):
                 self._meet(f"body{n}", f"body{other}", k.BODY_FRICTION**2)
@@ -231,12 +214,12 @@ class MujocoEngine:
             geomname1=one, geomname2=other, solref=stopped, solimp=_HELD, **{"condim": 3, **contact}
         )
 
-    def _turn_walls(self) -> None:
+    def _turn_walls(self, radius: float) -> None:
         """Put the wall of each robot where the facet next to it is."""
         bearing = np.arctan2(self._place[:, 1], self._place[:, 0])
         with np.errstate(invalid="ignore"):  # a robot lost to divergence is next to any
             facet = np.rint(bearing / _FACET[1]).astype(np.intp) % k.WALL_FACETS
-        self._data.mocap_pos[:, :2] = self._ring_radius * _OUTWARD[facet]
+        self._data.mocap_pos[:, :2] = radius * OUTWARD[facet]
         self._data.mocap_quat[:] = _INWARD[facet]
 
 
@@ -251,6 +234,3 @@ def _ball(body: Any, name: str, place: list[float], radius: float, mass: float) 
     size = [radius, 0.0, 0.0]
     part.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size, mass=mass, **_GHOST)
     return part
-
-
-ENGINE = MujocoEngine

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from realitygap.reality import constants as k
-from realitygap.reality._optics import lib
+from realitygap.reality._optics import ffi, lib
 from realitygap.reality.senses import doubles
 
 
@@ -54,6 +54,10 @@ _CENTRE: FloatArray = np.array(k.CENTRE_OF_MASS)
 class PybulletEngine:
     """An `Engine`."""
 
+    _ITERATIONS = k.SOLVER_ITERATIONS
+    _SLOP: float | None = None
+    """m by which contacts may overlap unpunished; None: the engine's own."""
+
     def __init__(
         self,
         *,
@@ -61,18 +65,21 @@ class PybulletEngine:
         iterations: int | None = None,
         gravity: tuple[float, float, float] = (0.0, 0.0, -k.GRAVITY),
     ) -> None:
+        self._back = 0.5 * step  # s before its end is the middle of a step
         self._client: int = bullet.connect(bullet.DIRECT)
         self._bodies: list[int] = []
         self._faces: dict[int, tuple[float, float]] = {}  # inward normal of each wall, by body
         self._ring: set[int] = set()  # bodies of a ring around the origin
         bullet.setPhysicsEngineParameter(
             fixedTimeStep=step,
-            numSolverIterations=k.SOLVER_ITERATIONS if iterations is None else iterations,
+            numSolverIterations=self._ITERATIONS if iterations is None else iterations,
             contactBreakingThreshold=k.CONTACT_THRESHOLD,
             deterministicOverlappingPairs=1,
             enableConeFriction=1,
             physicsClientId=self._client,
         )
+        if self._SLOP is not None:
+            bullet.setPhysicsEngineParameter(contactSlop=self._SLOP, physicsClientId=self._client)
         bullet.setGravity(*gravity, physicsClientId=self._client)
         floor = self._body(0.0, self._shape(bullet.GEOM_PLANE))
         self._collide(floor, _BASE, _FLOOR, _WHEEL)
@@ -225,7 +232,13 @@ class PybulletEngine:
         client = self._client
         bodies = [bullet.getBasePositionAndOrientation(body, client) for body in self._bodies]
         raw: FloatArray = np.array([position + orientation for position, orientation in bodies])
-        lib.rgo_poses(len(raw), doubles(raw), doubles(_CENTRE), doubles(out))
+        speeds = self._speeds()
+        moving = ffi.NULL if speeds is None else doubles(speeds)
+        lib.rgo_poses(len(raw), doubles(raw), moving, self._back, doubles(_CENTRE), doubles(out))
+
+    def _speeds(self) -> FloatArray | None:
+        """(robots, 6) m/s and rad/s of the centres of mass; None: poses need none."""
+        return None
 
     def teleport(self, robot: int, pose: Sequence[float]) -> None:
         """Put a robot down at rest with the middle of its axle at pose (x, y, yaw)."""
@@ -290,4 +303,25 @@ class PybulletEngine:
         bullet.changeDynamics(body, link, physicsClientId=self._client, **value)
 
 
-ENGINE = PybulletEngine
+class StrictPybulletEngine(PybulletEngine):
+    """An `Engine`: pybullet at settings that keep its artefacts within bounds.
+
+    Poses and wheel angles are those of the middle of a step, for positions move with the velocity
+    at a step's end. Contacts leave no slop, from whose edge wheels pushed robots along by
+    themselves. See docs/convergence.md.
+    """
+
+    _ITERATIONS = k.STRICT_ITERATIONS
+    _SLOP = k.STRICT_SLOP
+
+    def wheel_angles(self, out: FloatArray) -> None:
+        """Fill (robots, 2): rad that the left and right wheel have turned against the body."""
+        client, wheels, back = self._client, (_LEFT, _RIGHT), self._back
+        states = [bullet.getJointStates(body, wheels, client) for body in self._bodies]
+        out[:] = [[wheel[0] - back * wheel[1] for wheel in state] for state in states]
+
+    def _speeds(self) -> FloatArray:
+        """(robots, 6) m/s and rad/s of the centres of mass."""
+        client = self._client
+        speeds = [bullet.getBaseVelocity(body, client) for body in self._bodies]
+        return np.array([linear + angular for linear, angular in speeds])

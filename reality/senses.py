@@ -14,19 +14,19 @@ import numpy.typing as npt
 from realitygap.embedded_sim import SENSORS
 from realitygap.reality import constants as k
 from realitygap.reality._optics import ffi, lib
-from realitygap.reality.engine import Engine
-from realitygap.reality.hardware import LAMP_PLACES, FloatArray, Hardware
+from realitygap.reality.hardware import FloatArray, Hardware
+from realitygap.reality.rays import Rays
 
 
-def optics() -> Any:
-    """The C struct `rgo_optics` of the nominal world."""
+def optics(arena_radius: float = k.ARENA_RADIUS) -> Any:
+    """The C struct `rgo_optics` of a world whose wall is so far out (m)."""
     return ffi.new(
         "rgo_optics *",
         {
             "body_radius": k.BODY_RADIUS,
             "body_top": k.BODY_TOP,
             "sensor_height": k.SENSOR_HEIGHT,
-            "arena_radius": k.ARENA_RADIUS,
+            "arena_radius": arena_radius,
             "ir_range": k.IR_RANGE,
             "ir_offset": k.IR_OFFSET,
             "ir_noise": k.IR_NOISE,
@@ -60,7 +60,7 @@ class Infrared:
         self._on_robot: npt.NDArray[np.bool_] = np.zeros(rays, dtype=np.bool_)
         self._owner: npt.NDArray[np.int32] = np.zeros(rays, dtype=np.int32)
         self._gauss, self._uniform = np.zeros((2, rays)), np.zeros((2, rays))
-        self._optics, self._robots = optics(), robots
+        self._optics, self._robots = optics(hardware.arena.radius), robots
         self._angles = doubles(hardware.sensor_angles)
         self._amplitude = doubles(hardware.ir_amplitude)
         self._outliers = doubles(hardware.ir_outliers)
@@ -72,7 +72,7 @@ class Infrared:
         self._draws = doubles(self._gauss), doubles(self._uniform)
         self._read = doubles(self.counts)
 
-    def sense(self, engine: Engine, poses: FloatArray) -> None:
+    def sense(self, world: Rays, poses: FloatArray) -> None:
         """Cast the rays that something can be in front of, and fill `counts`."""
         rays = lib.rgo_rays(
             self._optics,
@@ -83,7 +83,7 @@ class Infrared:
             self._owners,
         )
         if rays:
-            self._cast(engine, rays)
+            self._cast(world, rays)
         self._random.standard_normal(out=self._gauss)
         self._random.random(out=self._uniform)
         lib.rgo_infrared(
@@ -107,13 +107,13 @@ class Infrared:
             np.clip(more, 0.0, k.COUNTS_MAX, out=self.counts)
         self.counts *= self._alive
 
-    def _cast(self, engine: Engine, rays: int) -> None:
+    def _cast(self, world: Rays, rays: int) -> None:
         """What the rays meet, and how well it reflects."""
         start, end = self._start[:rays], self._end[:rays]
         if self._wall == 1.0:
-            engine.cast(start, end, self._fraction, self._normals)
+            world.cast(start, end, self._fraction, self._normals)
             return
-        engine.cast(start, end, self._fraction, self._normals, self._on_robot)
+        world.cast(start, end, self._fraction, self._normals, self._on_robot)
         self._reflectance[:] = np.where(self._on_robot, 1.0, self._wall)
 
 
@@ -137,7 +137,7 @@ class Light:
 
     def set_scenario(self, scenario: int) -> None:
         """Put the lamp where one of `embedded_sim.SCENARIOS` has it, or take it away."""
-        place, lamp = LAMP_PLACES[scenario], self._hardware.lamp
+        place, lamp = self._hardware.arena.lamps[scenario], self._hardware.lamp
         lit = list(self._hardware.windows)
         if place is not None:
             lit.insert(0, replace(lamp, x=place[0] + lamp.x, y=place[1] + lamp.y))
@@ -182,7 +182,8 @@ class Tracker:
         self.on_food: npt.NDArray[np.uint8] = np.zeros(robots, dtype=np.uint8)
         self.on_nest: npt.NDArray[np.uint8] = np.zeros(robots, dtype=np.uint8)
         self.item: npt.NDArray[np.int32] = np.zeros(robots, dtype=np.int32)
-        self.food: FloatArray = np.zeros((k.FOOD_ITEMS, 2))
+        self._arena = hardware.arena
+        self.food: FloatArray = np.zeros((self._arena.food_items, 2))
         self._random, self._noise = random, np.zeros((robots, 3))
         self._scale = np.array([k.TRACKER_NOISE, k.TRACKER_NOISE, k.TRACKER_YAW_NOISE])
         self._nest, self._robots = hardware.nest, robots
@@ -198,12 +199,12 @@ class Tracker:
 
     def place_food(self, item: int, random: np.random.Generator) -> None:
         """Put an item anywhere a robot's centre can reach, outside the nest."""
-        reach = k.ARENA_RADIUS - k.BODY_RADIUS
+        reach, nest = self._arena.radius - k.BODY_RADIUS, self._arena.nest
         while True:
             radius = reach * np.sqrt(random.random())
             angle = 2.0 * np.pi * random.random()
             x, y = radius * np.cos(angle), radius * np.sin(angle)
-            if np.hypot(x - k.NEST[0], y - k.NEST[1]) >= k.NEST[2]:
+            if np.hypot(x - nest[0], y - nest[1]) >= nest[2]:
                 self.food[item] = x, y
                 return
 
@@ -225,7 +226,7 @@ class Tracker:
             self._robots,
             poses,
             ffi.from_buffer("uint8_t[]", carrying),
-            k.FOOD_ITEMS,
+            len(self.food),
             food,
             k.FOOD_RADIUS,
             nest,

@@ -12,12 +12,14 @@ import numpy as np
 
 from realitygap.embedded_sim.errors import Diverged, InputError
 from realitygap.reality import constants as k
+from realitygap.reality.arena import ForagingArena
 from realitygap.reality.clock import Past
 from realitygap.reality.effects.spec import HiddenEffect
 from realitygap.reality.encoders import Encoders
 from realitygap.reality.engine import DEFAULT, engine_class
-from realitygap.reality.hardware import FloatArray, Hardware
+from realitygap.reality.hardware import NOMINAL, FloatArray, Hardware
 from realitygap.reality.motors import SUBSTEPS, Motors
+from realitygap.reality.rays import DEFAULT_RAYS, ClosedRays, Rays, RaysName
 from realitygap.reality.senses import Infrared, Light, Radio, Tracker
 
 
@@ -33,6 +35,8 @@ class World:
         poses: FloatArray | None = None,
         lamp_power: float = k.LAMP_POWER,
         engine: str = DEFAULT,
+        rays: RaysName = DEFAULT_RAYS,
+        arena: ForagingArena = NOMINAL,
     ) -> None:
         """Build the arena and put the robots down.
 
@@ -43,6 +47,8 @@ class World:
             poses: (robots, 3) m, m, rad to start from; drawn at random when absent.
             lamp_power: counts m^2.
             engine: Name of the physics engine.
+            rays: Who answers what infrared meets.
+            arena: Where they forage.
 
         Raises:
             InputError: the robots do not fit into the arena, or the engine is not installed.
@@ -50,12 +56,14 @@ class World:
         places, food, infrared, light, tracker = (
             np.random.default_rng(child) for child in seed.spawn(5)
         )
-        hardware = Hardware.nominal(robots)
+        hardware = Hardware.nominal(robots, arena)
         hardware.lamp.power = lamp_power
         for hidden in effects:
             hidden.hide(hardware)
         self.robots = robots
-        self.poses: FloatArray = scatter(robots, places) if poses is None else poses.copy()
+        self.poses: FloatArray = (
+            scatter(robots, places, arena.radius) if poses is None else poses.copy()
+        )
         self.infrared = Infrared(hardware, infrared)
         self.light = Light(hardware, light)
         self.tracker = Tracker(hardware, tracker)
@@ -66,10 +74,12 @@ class World:
         self._past = Past(hardware.clock_delay, self.poses) if hardware.clock_delay.any() else None
         self._passed: FloatArray = np.zeros((robots, 3))
         self._food_random = food
-        for item in range(k.FOOD_ITEMS):
+        for item in range(arena.food_items):
             self.tracker.place_food(item, food)
         self.engine = engine_class(engine)(gravity=hardware.gravity)
-        self.engine.add_ring()
+        self.engine.add_ring(arena.radius)
+        closed = rays == "closed"
+        self._rays: Rays = ClosedRays(self.poses, arena.radius) if closed else self.engine
         for i in range(robots):
             self.engine.add_epuck(
                 self.poses[i].tolist(),
@@ -88,7 +98,7 @@ class World:
         if not np.isfinite(self.poses).all():
             robot = int(np.argmin(np.isfinite(self.poses).all(axis=1)))
             raise Diverged(f"the physics diverged at step {self.time_step}, robot {robot}")
-        self.infrared.sense(self.engine, self.poses)
+        self.infrared.sense(self._rays, self.poses)
         self.light.sense(self.poses, self.time_step * k.CONTROL_STEP)
         self.tracker.measure(self.poses if self._past is None else self._past.late())
 
@@ -115,21 +125,21 @@ class World:
         self.time_step += 1
 
 
-def scatter(robots: int, random: np.random.Generator) -> FloatArray:
-    """Random poses (robots, 3) in the arena, 5 mm and more between bodies and to the wall.
+def scatter(robots: int, random: np.random.Generator, radius: float = k.ARENA_RADIUS) -> FloatArray:
+    """Random poses (robots, 3) in an arena, 5 mm and more between bodies and to the wall.
 
     Raises:
         InputError: no room found.
     """
     gap = 0.005
-    reach = k.ARENA_RADIUS - k.BODY_RADIUS - gap
+    reach = radius - k.BODY_RADIUS - gap
     poses = np.zeros((robots, 3))
     placed = 0
     for _ in range(2000 * robots):
         if placed == robots:
             break
-        radius, angle = reach * np.sqrt(random.random()), 2.0 * np.pi * random.random()
-        x, y = radius * np.cos(angle), radius * np.sin(angle)
+        far, angle = reach * np.sqrt(random.random()), 2.0 * np.pi * random.random()
+        x, y = far * np.cos(angle), far * np.sin(angle)
         apart = np.hypot(poses[:placed, 0] - x, poses[:placed, 1] - y)
         if placed == 0 or apart.min() > 2.0 * k.BODY_RADIUS + gap:
             poses[placed] = x, y, np.pi * (2.0 * random.random() - 1.0)

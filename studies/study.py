@@ -10,6 +10,7 @@ from typing import Any
 import pandas as pd
 
 from realitygap.reality.engine import DEFAULT, engine_name
+from realitygap.reality.rays import DEFAULT_RAYS, rays_name
 from realitygap.studies.pages.notebook import Telling
 from realitygap.studies.paper import study as whole
 from realitygap.studies.paper.conditions import study_config
@@ -48,6 +49,7 @@ def paper(
     robots: int = 10,
     seed: int = 0,
     engine: str = DEFAULT,
+    rays: str = DEFAULT_RAYS,
     model: Path | str | None = None,
     jobs: int | None = None,
     scheduler: str | None = None,
@@ -61,7 +63,8 @@ def paper(
         minutes: Simulated, of each run.
         robots: In a run.
         seed: Everything random follows from it.
-        engine: Physics of the world: pybullet or mujoco.
+        engine: Physics of the world: pybullet, pybullet-strict or mujoco.
+        rays: Who answers what infrared meets: engine, or closed.
         model: File on board; the e-puck if absent.
         jobs: Processes; all cores if absent.
         scheduler: Address of a Dask scheduler whose workers have this program.
@@ -73,7 +76,7 @@ def paper(
     """
     on_board = None if model is None else str(model)
     asked: dict[str, Any] = {"runs": runs, "minutes": minutes, "robots": robots, "seed": seed}
-    asked |= {"model": on_board, "engine": engine_name(engine)}
+    asked |= {"model": on_board, "engine": engine_name(engine), "rays": rays_name(rays)}
     return _studied("paper", asked, Path(out), Workers.chosen(jobs, scheduler), quiet)
 
 
@@ -85,6 +88,7 @@ def readings(
     robots: int = 10,
     seed: int = 0,
     engine: str = DEFAULT,
+    rays: str = DEFAULT_RAYS,
     jobs: int | None = None,
     scheduler: str | None = None,
     quiet: bool = True,
@@ -94,7 +98,7 @@ def readings(
     Arguments and errors are those of `paper`; `runs` is of each condition and variant.
     """
     asked: dict[str, Any] = {"runs": runs, "minutes": minutes, "robots": robots, "seed": seed}
-    asked["engine"] = engine_name(engine)
+    asked |= {"engine": engine_name(engine), "rays": rays_name(rays)}
     return _studied("readings", asked, Path(out), Workers.chosen(jobs, scheduler), quiet)
 
 
@@ -112,6 +116,7 @@ def transfer(
     robots: int = 10,
     seed: int = 0,
     engine: str = DEFAULT,
+    rays: str = DEFAULT_RAYS,
     jobs: int | None = None,
     scheduler: str | None = None,
     quiet: bool = True,
@@ -130,7 +135,8 @@ def transfer(
         genome: paper or continuous.
         robots: In a run.
         seed: Everything random follows from it.
-        engine: Physics of the world: pybullet or mujoco.
+        engine: Physics of the world: pybullet, pybullet-strict or mujoco.
+        rays: Who answers what infrared meets: engine, or closed.
         jobs: Processes; all cores if absent.
         scheduler: Address of a Dask scheduler whose workers have this program.
         quiet: Otherwise how far it has come is told on standard error.
@@ -150,6 +156,7 @@ def transfer(
         trials=trials,
         genome=genome,
         engine=engine_name(engine),
+        rays=rays_name(rays),
         extended=None if extended is None else str(extended),
     )
     target, workers = Path(out), Workers.chosen(jobs, scheduler)

@@ -7,11 +7,8 @@ and, where the lab has them, what its sensors read. SI units, REP-103 axes.
 from __future__ import annotations
 
 import difflib
-from typing import Any
 
 import pandas as pd
-import pandera.errors
-import pandera.pandas as pa
 
 from realitygap.embedded_sim import SENSORS, InputError
 from realitygap.embedded_sim.errors import LONGEST_NAME, nearest, shown
@@ -50,42 +47,10 @@ CASES = {"light-opposite-nest": 0, "no-light": 1, "light-at-nest": 2}
 SWITCHING = ("at-nest-to-opposite", "opposite-to-at-nest")
 """Cases whose lamp moves at a time the log does not hold: their light cannot be predicted."""
 
-_LIMIT = 1e12
-"""Beyond any unit's largest plausible number (nanoseconds of an hour are 3.6e12 only in `t`)."""
 _ROBOTS = 2**53
 """Largest number of a robot: whole numbers beyond are not exact in a column with holes."""
 _NEAR = 0.75
 """Likeness above which an unknown column is taken for a misspelt one."""
-
-
-def _numbers(*, nullable: bool = True, limit: float = _LIMIT) -> pa.Column:
-    """A float column within a sane range."""
-    checks = pa.Check.in_range(-limit, limit, error=f"finite numbers within {limit:g}")
-    return pa.Column(float, checks, nullable=nullable, coerce=True, required=False)
-
-
-SCHEMA = pa.DataFrameSchema(
-    {
-        "run": pa.Column(str, coerce=True, required=False),
-        "robot": pa.Column(int, coerce=True),
-        "t": _numbers(limit=1e20),
-        **{name: _numbers() for name in (*POSE, *WHEEL_COMMANDS, *BODY_COMMANDS)},
-        **{name: _numbers() for name in (*ENCODERS, *CARRIED, *PS, *LS)},
-        **{
-            name: pa.Column("boolean", nullable=True, coerce=True, required=False)
-            for name in VIRTUAL
-        },
-        "case": pa.Column(
-            str,
-            pa.Check.isin((*CASES, *SWITCHING), error=f"one of {', '.join((*CASES, *SWITCHING))}"),
-            nullable=True,
-            coerce=True,
-            required=False,
-        ),
-    },
-    strict=False,
-)
-"""What values the columns may hold; which columns must be there is `check_columns`' business."""
 
 
 def check_columns(columns: list[str]) -> list[str]:
@@ -140,14 +105,10 @@ def coerce(frame: pd.DataFrame) -> pd.DataFrame:
         wrong = known["robot"][(robots % 1 != 0) | (robots.abs() > _ROBOTS)]  # also for NaN
     if len(wrong):
         raise InputError("column robot", wrong.iloc[0], f"whole numbers within {_ROBOTS:g}")
+    from realitygap.models.log.values import checked  # pandera takes a tenth of a second
+
     with parsing("log", "a table of numbers"):
-        try:
-            checked: pd.DataFrame = SCHEMA.validate(known)
-        except pandera.errors.SchemaError as error:
-            raise _refusal(error, known) from None
-        except pandera.errors.SchemaErrors as errors:
-            raise _refusal(errors.schema_errors[0], known) from None
-    return checked
+        return checked(known)
 
 
 def _instead(name: str, unknown: list[str]) -> str:
@@ -157,17 +118,3 @@ def _instead(name: str, unknown: list[str]) -> str:
     close = [n for n in aliases.get(name, ()) if n in lowered]
     close = close or difflib.get_close_matches(name, lowered, n=1, cutoff=0.6)
     return f"; is it {lowered[close[0]]}?" if close else ""
-
-
-def _refusal(error: pandera.errors.SchemaError, frame: pd.DataFrame) -> InputError:
-    """One line out of pandera's report."""
-    cases: Any = error.failure_cases
-    column = str(getattr(error.schema, "name", None) or error.column_name or "log")
-    wrong = cases["failure_case"].iloc[0] if isinstance(cases, pd.DataFrame) else cases
-    said = str(getattr(error.check, "error", None) or error.check or "")
-    if "coerce" in said or not said:
-        unit = UNITS.get(column) or ("whole numbers" if column == "robot" else "text")
-        said = {"bool": "true or false"}.get(unit, f"numbers ({unit})" if unit else "text")
-        said = "whole numbers" if column == "robot" else said
-        said += "; dates are for `realitygap import csv`" if column == "t" else ""
-    return InputError(f"column {column}", wrong, said)

@@ -3,17 +3,25 @@
 #include <math.h>
 #include <string.h>
 
-enum { SENSORS = 8 };
+#define PI 3.14159265358979323846 /* C11 itself has none */
+enum { SENSORS = 8, NEAR = 64 };
 
-void rgo_poses(int32_t robots, const double *bodies, const double *centre_of_mass, double *poses) {
+void rgo_poses(int32_t robots, const double *bodies, const double *velocities, double back,
+               const double *centre_of_mass, double *poses) {
     for (int32_t i = 0; i < robots; i++) {
         const double *b = bodies + 7 * i;
         const double qx = b[3], qy = b[4], qz = b[5], qw = b[6];
-        const double yaw = atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz));
+        double yaw = atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz));
+        if (velocities)
+            yaw = remainder(yaw - back * velocities[6 * i + 5], 2.0 * PI);
         const double c = cos(yaw), s = sin(yaw);
         poses[3 * i] = b[0] - c * centre_of_mass[0] + s * centre_of_mass[1];
         poses[3 * i + 1] = b[1] - s * centre_of_mass[0] - c * centre_of_mass[1];
         poses[3 * i + 2] = yaw;
+        if (velocities) {
+            poses[3 * i] -= back * velocities[6 * i];
+            poses[3 * i + 1] -= back * velocities[6 * i + 1];
+        }
     }
 }
 
@@ -26,13 +34,32 @@ static int passes(double px, double py, double ux, double uy, double length, dou
     return ex * ex + ey * ey <= reach * reach;
 }
 
+/* Which robots are within `reach` of robot i? Returns how many; beyond NEAR none are told. */
+static int32_t neighbours(int32_t robots, const double *poses, int32_t i, double reach,
+                          int32_t *near) {
+    int32_t found = 0;
+    for (int32_t j = 0; j < robots; j++) {
+        const double dx = poses[3 * j] - poses[3 * i], dy = poses[3 * j + 1] - poses[3 * i + 1];
+        if (j == i || dx * dx + dy * dy > reach * reach)
+            continue;
+        if (found < NEAR)
+            near[found] = j;
+        found++;
+    }
+    return found;
+}
+
 int32_t rgo_rays(const rgo_optics *o, int32_t robots, const double *poses, const double *angles,
                  double *from, double *to, int32_t *owner) {
     const double start = o->body_radius + 1e-4; /* outside one's own body */
     const double slack = 1e-3;                  /* m; the engine's shapes against these circles */
+    const double reach = start + o->ir_range + o->body_radius + 2.0 * slack;
     int32_t count = 0;
     for (int32_t i = 0; i < robots; i++) {
         const double x = poses[3 * i], y = poses[3 * i + 1], yaw = poses[3 * i + 2];
+        int32_t near[NEAR];
+        const int32_t found = neighbours(robots, poses, i, reach, near);
+        const int crowded = found > NEAR; /* they overlap: ask all */
         for (int k = 0; k < SENSORS; k++) {
             const double ux = cos(yaw + angles[SENSORS * i + k]);
             const double uy = sin(yaw + angles[SENSORS * i + k]);
@@ -40,9 +67,11 @@ int32_t rgo_rays(const rgo_optics *o, int32_t robots, const double *poses, const
             const double ex = px + o->ir_range * ux, ey = py + o->ir_range * uy;
             const double clear = o->arena_radius - slack;
             int worth = ex * ex + ey * ey > clear * clear;
-            for (int32_t j = 0; j < robots && !worth; j++)
+            for (int32_t n = 0; n < (crowded ? robots : found) && !worth; n++) {
+                const int32_t j = crowded ? n : near[n];
                 worth = j != i && passes(px, py, ux, uy, o->ir_range, poses[3 * j],
                                          poses[3 * j + 1], o->body_radius + slack);
+            }
             if (!worth)
                 continue;
             from[3 * count] = px, from[3 * count + 1] = py;
@@ -57,13 +86,17 @@ int32_t rgo_rays(const rgo_optics *o, int32_t robots, const double *poses, const
 void rgo_cast(int32_t count, const double *from, const double *to, int32_t robots,
               const double *poses, double body_radius, int32_t facets, const double *outward,
               double wall_radius, double *fraction, double *normals, uint8_t *on_robot) {
+    const double clear = wall_radius * (1.0 - 1e-9); /* beyond any rounding */
     for (int32_t r = 0; r < count; r++) {
         const double px = from[3 * r], py = from[3 * r + 1];
         const double dx = to[3 * r] - px, dy = to[3 * r + 1] - py, length = sqrt(dx * dx + dy * dy);
         const double ux = dx / length, uy = dy / length;
         double nearest = length, nx = 0.0, ny = 0.0;
         uint8_t robot = 0;
-        for (int32_t f = 0; f < facets; f++) {
+        /* a ray between two points within the circle that the facets touch meets none */
+        const double ex = px + dx, ey = py + dy;
+        const int within = fmax(px * px + py * py, ex * ex + ey * ey) < clear * clear;
+        for (int32_t f = 0; f < facets && !within; f++) {
             const double ox = outward[2 * f], oy = outward[2 * f + 1];
             const double towards = ux * ox + uy * oy;
             if (towards <= 0.0)
@@ -122,11 +155,9 @@ void rgo_infrared(const rgo_optics *o, int32_t robots, const double *poses, cons
     }
 }
 
-/* Is the straight way from (px, py, height) to the lamp cut by robot j's body? */
-static int shaded(const rgo_optics *o, double px, double py, const rgo_lamp *lamp, double qx,
-                  double qy) {
-    const double vx = lamp->x - px, vy = lamp->y - py, length = sqrt(vx * vx + vy * vy);
-    const double ux = vx / length, uy = vy / length;
+/* Is the straight way from (px, py), `length` along unit u, to the lamp cut by a body at q? */
+static int shaded(const rgo_optics *o, double px, double py, double ux, double uy, double length,
+                  double lamp_height, double qx, double qy) {
     const double along = (qx - px) * ux + (qy - py) * uy;
     const double aside = (qx - px) * uy - (qy - py) * ux;
     const double half = o->body_radius * o->body_radius - aside * aside;
@@ -135,7 +166,7 @@ static int shaded(const rgo_optics *o, double px, double py, const rgo_lamp *lam
     const double enter = along - sqrt(half), leave = along + sqrt(half);
     if (leave <= 0.0 || enter >= length)
         return 0;
-    const double climb = (lamp->height - o->sensor_height) / length;
+    const double climb = (lamp_height - o->sensor_height) / length;
     const double lowest = climb > 0.0 ? fmax(enter, 0.0) : fmin(leave, length);
     return o->sensor_height + climb * lowest < o->body_top;
 }
@@ -156,9 +187,11 @@ void rgo_light(const rgo_optics *o, int32_t robots, const double *poses, const d
                 const double facing = vx * ux + vy * uy;
                 if (facing <= 0.0)
                     continue;
+                const double length = sqrt(vx * vx + vy * vy), wx = vx / length, wy = vy / length;
                 int dark = 0;
                 for (int32_t j = 0; j < robots && !dark; j++)
-                    dark = j != i && shaded(o, px, py, &lamp[l], poses[3 * j], poses[3 * j + 1]);
+                    dark = j != i && shaded(o, px, py, wx, wy, length, lamp[l].height, poses[3 * j],
+                                            poses[3 * j + 1]);
                 if (dark)
                     continue;
                 const double distance = sqrt(vx * vx + vy * vy + vz * vz);

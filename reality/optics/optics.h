@@ -26,8 +26,10 @@ typedef struct {
     double power, exponent; /* counts m^exponent; 1 */
 } rgo_lamp;
 
-/* Yaw and the middle of the axle from centres of mass (robots, 7: position, quaternion). */
-void rgo_poses(int32_t robots, const double *bodies, const double *centre_of_mass, double *poses);
+/* Yaw and the middle of the axle from centres of mass (robots, 7: position, quaternion), as they
+ * were `back` seconds ago by their velocities (robots, 6: linear, angular); NULL: as they are. */
+void rgo_poses(int32_t robots, const double *bodies, const double *velocities, double back,
+               const double *centre_of_mass, double *poses);
 
 /* Rays (count, 3) of the sensors that something can be in front of; owner[r] = robot * 8 + sensor.
  * Others cannot hit anything within range and read zero. Returns the count. */

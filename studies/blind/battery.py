@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from realitygap.reality.engine import DEFAULT, engine_name
+from realitygap.reality.rays import DEFAULT_RAYS, rays_name
 from realitygap.studies.blind.directory import BlindDirectory
 from realitygap.studies.blind.examiner import ask
 from realitygap.studies.blind.known import known_effects
@@ -38,6 +39,7 @@ def blind(
     leave_one_out: bool = False,
     seconds: Sequence[float] = (),
     engine: str = DEFAULT,
+    rays: str = DEFAULT_RAYS,
     jobs: int | None = None,
     scheduler: str | None = None,
     quiet: bool = True,
@@ -54,7 +56,8 @@ def blind(
         kinds: healthy, single, swarm, pair or unlisted, in turn; single at the bars, else all.
         leave_one_out: Hide effects whose cause the diagnosis must do without.
         seconds: Lengths of the logs (s); 120 most often, 60 or 240 if absent.
-        engine: Physics of the world: pybullet or mujoco.
+        engine: Physics of the world: pybullet, pybullet-strict or mujoco.
+        rays: Who answers what infrared meets: engine, or closed.
         jobs: Processes; all cores if absent.
         scheduler: Address of a Dask scheduler whose workers have this program.
         quiet: Otherwise how far it has come is told on standard error.
@@ -76,6 +79,7 @@ def blind(
         leave_one_out=leave_one_out,
         crowd=crowd,
         engine=engine_name(engine),
+        rays=rays_name(rays),
         **lengths,
     )
     return run_battery(config, Path(out), Workers.chosen(jobs, scheduler), quiet=quiet)

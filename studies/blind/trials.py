@@ -16,6 +16,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.reality.effects import catalogue
 from realitygap.reality.engine import DEFAULT, EngineName
+from realitygap.reality.rays import DEFAULT_RAYS, RaysName
 from realitygap.studies.blind.unlisted import UNLISTED
 from realitygap.studies.hidden.menu import MENU, STRANGE, Value
 from realitygap.studies.run.experiment import Case, Controller, RunConfig, Seed
@@ -58,6 +59,7 @@ class BlindConfig(BaseModel):
     seed: Seed = 0
     robots: Annotated[int, Field(ge=3, le=100)] = 10
     engine: EngineName = DEFAULT
+    rays: RaysName = DEFAULT_RAYS
     effects: tuple[str, ...] = ()
     """To draw from; none: a battery of healthy runs."""
     at_bars: bool = False
@@ -272,5 +274,6 @@ def _trial(
         robots=config.robots,
         seed=int(random.integers(2**31)),
         engine=config.engine,
+        rays=config.rays,
     )
     return Trial(index, kind, seconds, run, hidden)

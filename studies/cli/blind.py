@@ -13,6 +13,7 @@ from realitygap.studies.cli.options import (
     Engine,
     Jobs,
     Quiet,
+    Rays,
     Scheduler,
     Seed,
     out_option,
@@ -33,6 +34,7 @@ def blind(
     scheduler: Scheduler = None,
     seed: Seed = 0,
     engine: Engine = "pybullet",
+    rays: Rays = "engine",
     only: Annotated[
         list[str] | None,
         typer.Option(help="Effect to draw from, repeatable; all the diagnosis knows if absent."),
@@ -76,6 +78,7 @@ def blind(
             trials=trials,
             seed=seed,
             engine=engine,
+            rays=rays,
             only=only or (),
             at_bars=at_bars,
             crowd=crowd,

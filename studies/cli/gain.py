@@ -17,6 +17,7 @@ from realitygap.studies.cli.options import (
     Minutes,
     Out,
     Quiet,
+    Rays,
     Seed,
     within,
 )
@@ -55,6 +56,7 @@ def gain(
     minutes: Minutes = 2.0,
     seed: Seed = 0,
     engine: Engine = "pybullet",
+    rays: Rays = "engine",
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -79,6 +81,7 @@ def gain(
                 minutes=minutes,
                 seed=seed,
                 engine=engine,
+                rays=rays,
                 jobs=jobs,
                 out=out,
                 force=force,

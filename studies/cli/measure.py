@@ -16,6 +16,7 @@ from realitygap.studies.cli.options import (
     Minutes,
     Out,
     Quiet,
+    Rays,
     Seed,
     StudyOut,
     within,
@@ -38,6 +39,7 @@ def bench(
     out: Out,
     minutes: Minutes = 5.0,
     engine: Engine = "pybullet",
+    rays: Rays = "engine",
     force: Force = False,
     quiet: Quiet = False,
 ) -> Outcome:
@@ -46,7 +48,8 @@ def bench(
     from realitygap.studies.plumbing.progress import Progress
 
     with Progress("bench", 1.0, quiet) as shown:
-        found = bench(out, minutes=minutes, engine=engine, force=force, reach=shown.reach)
+        reach = shown.reach
+        found = bench(out, minutes=minutes, engine=engine, rays=rays, force=force, reach=reach)
     notes = [f"{name}: {value:.4g}" for name, value in found.items() if isinstance(value, float)]
     notes.append(f"the time of {found['robots']} robots co-evolving for {minutes:g} min goes to")
     notes += [f"  {part}: {100.0 * share:.1f} %" for part, share in found["shares"].items()]
@@ -57,14 +60,20 @@ def bench(
 
 @command(measure, epilog="Example: realitygap measure scaling --out out/scaling")
 def scaling(
-    out: Out, minutes: Minutes = 1.0, force: Force = False, quiet: Quiet = False
+    out: Out,
+    minutes: Minutes = 1.0,
+    engine: Engine = "pybullet",
+    rays: Rays = "engine",
+    force: Force = False,
+    quiet: Quiet = False,
 ) -> Outcome:
     """How a run's cost grows with robots (runs of --minutes) and with minutes, with a figure."""
     from realitygap.studies.measure.scaling import scaling
     from realitygap.studies.plumbing.progress import Progress
 
     with Progress("runs", 1.0, quiet) as shown:
-        table = scaling(out, minutes=minutes, force=force, reach=shown.reach)
+        reach = shown.reach
+        table = scaling(out, minutes=minutes, engine=engine, rays=rays, force=force, reach=reach)
     notes = table.to_string(index=False).splitlines()
     return Outcome(table, f"{len(table)} runs timed", out, notes)
 

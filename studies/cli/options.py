@@ -27,7 +27,14 @@ Engine = Annotated[
     str,
     typer.Option(
         "--engine",
-        help=r"Physics of the world: pybullet, or mujoco (the extra \[mujoco]).",
+        help=r"Physics of the world: pybullet, pybullet-strict or mujoco (the extra \[mujoco]).",
+    ),
+]
+
+Rays = Annotated[
+    str,
+    typer.Option(
+        "--rays", help="Who answers what infrared meets: the engine, or a closed form (exact)."
     ),
 ]
 

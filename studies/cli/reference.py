@@ -17,6 +17,7 @@ from realitygap.studies.cli.options import (
     Model,
     Out,
     Quiet,
+    Rays,
     Seed,
     within,
 )
@@ -44,6 +45,7 @@ def reference(
     ] = False,
     seed: Seed = 0,
     engine: Engine = "pybullet",
+    rays: Rays = "engine",
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -65,6 +67,7 @@ def reference(
             manoeuvres=manoeuvres,
             seed=seed,
             engine=engine,
+            rays=rays,
             jobs=jobs,
             force=force,
             reach=shown.reach,

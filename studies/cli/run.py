@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 import realitygap as rg
-from realitygap.embedded_sim.probes import MENU
+from realitygap.embedded_sim.manoeuvres import NAMES
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import (
     Engine,
@@ -17,9 +17,10 @@ from realitygap.studies.cli.options import (
     OnBoard,
     Out,
     Quiet,
-    Robots,
+    Rays,
     Seed,
     Trials,
+    within,
 )
 from realitygap.studies.cli.outcome import Outcome, command
 
@@ -40,11 +41,11 @@ def run(
         str,
         typer.Option(
             help="coevolution, search, positive-phototaxis, negative-phototaxis, to-and-fro, "
-            "half-to-and-fro, or a manoeuvre, probe:NAME: " + ", ".join(MENU) + "."
+            "half-to-and-fro, or a manoeuvre, probe:NAME: " + ", ".join(NAMES) + "."
         ),
     ] = "coevolution",
     minutes: Minutes = 60.0,
-    robots: Robots = 10,
+    robots: Annotated[int, typer.Option(callback=within(1, 1000), help="How many e-pucks.")] = 10,
     seed: Seed = 0,
     effect: Annotated[
         list[str] | None,
@@ -57,6 +58,13 @@ def run(
     trials: Trials = 1,
     genome: Genome = "paper",
     engine: Engine = "pybullet",
+    rays: Rays = "engine",
+    arena_radius: Annotated[
+        float,
+        typer.Option(
+            help="m, from 0.6 to 10; nest and lamps move out with the wall, food stays as dense."
+        ),
+    ] = 0.6,
     no_samples: Annotated[bool, typer.Option("--no-samples", help="No samples.parquet.")] = False,
     force: Force = False,
     quiet: Quiet = False,
@@ -76,6 +84,8 @@ def run(
             robots=robots,
             seed=seed,
             engine=engine,
+            rays=rays,
+            arena_radius=arena_radius,
             effects=effect or (),
             model=model,
             reading=reading,

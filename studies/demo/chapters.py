@@ -9,6 +9,7 @@ from pathlib import Path
 
 from realitygap.models.log.measured import SAMPLES
 from realitygap.reality.engine import DEFAULT, EngineName
+from realitygap.reality.rays import DEFAULT_RAYS, RaysName
 from realitygap.studies.blind.examiner import LOG
 from realitygap.studies.blind.record import diagnose
 from realitygap.studies.blind.scoring import score
@@ -48,6 +49,7 @@ def tell(
     workers: Workers,
     *,
     engine: EngineName = DEFAULT,
+    rays: RaysName = DEFAULT_RAYS,
     quiet: bool,
 ) -> Story:
     """Live through the story and leave its files in `out`.
@@ -57,7 +59,7 @@ def tell(
     Raises:
         RuntimeError: a run failed, or the sealed file was changed.
     """
-    story = Story(seed, size, draw(seed), engine)
+    story = Story(seed, size, draw(seed), engine, rays)
     with _chapter(1, quiet) as shown:
         story.digest = seal(story.secret, _config(story, 0), out / "sealed.json")
         shown.say(f"    something is hidden in reality; sealed as {story.digest[:16]}…")
@@ -106,6 +108,7 @@ def _config(story: Story, index: int, controller: str = "coevolution") -> RunCon
         trials=story.size.trials if controller == "coevolution" else 1,
         samples=index == 0 and controller == "coevolution",
         engine=story.engine,
+        rays=story.rays,
     )
 
 
@@ -177,6 +180,7 @@ def _gain(story: Story, out: Path, workers: Workers, reach: Callable[[float], No
         minutes=story.size.held_out_minutes,
         seed=run_seed(story.seed, story.size.pairs),
         engine=story.engine,
+        rays=story.rays,
         jobs=workers.jobs,
         out=out / "gain",
         reach=reach,

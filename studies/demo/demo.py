@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from realitygap.reality.engine import DEFAULT, engine_name
+from realitygap.reality.rays import DEFAULT_RAYS, rays_name
 from realitygap.studies.demo import chapters
 from realitygap.studies.demo.report import write_report
 from realitygap.studies.demo.story import Size, Story, as_json
@@ -18,6 +19,7 @@ def demo(
     *,
     seed: int = 0,
     engine: str = DEFAULT,
+    rays: str = DEFAULT_RAYS,
     jobs: int | None = None,
     force: bool = False,
     quiet: bool = True,
@@ -27,7 +29,8 @@ def demo(
     Args:
         out: Directory for report.html, demo.json, demo.png and what each chapter made.
         seed: Everything random follows from it.
-        engine: Physics of the world: pybullet or mujoco.
+        engine: Physics of the world: pybullet, pybullet-strict or mujoco.
+        rays: Who answers what infrared meets: engine, or closed.
         jobs: Processes; all cores if absent.
         force: Replace a demo that is there.
         quiet: Otherwise the story is told on standard error.
@@ -37,8 +40,9 @@ def demo(
         RuntimeError: a run failed, or the sealed file was changed.
     """
     workers, name = Workers.chosen(jobs, None), engine_name(engine)
+    sight = rays_name(rays)
     with whole_directory(Path(out), force=force, holds=("demo.json", "run.json")) as part:
-        story = chapters.tell(seed, Size(), part, workers, engine=name, quiet=quiet)
+        story = chapters.tell(seed, Size(), part, workers, engine=name, rays=sight, quiet=quiet)
         write_json(part / "demo.json", as_json(story))
         write_report(story, part)
     return story

@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from realitygap.reality.engine import DEFAULT, EngineName
+from realitygap.reality.rays import DEFAULT_RAYS, RaysName
 from realitygap.studies.blind.scoring import Score
 from realitygap.studies.demo.hide import Secret
 from realitygap.studies.fitness_gap.by_third import coevolution_gap
@@ -42,6 +43,7 @@ class Story:
     size: Size
     secret: Secret
     engine: EngineName = DEFAULT
+    rays: RaysName = DEFAULT_RAYS
     digest: str = ""
     before: list[Files] = field(default_factory=list)
     after: list[Files] = field(default_factory=list)
@@ -120,6 +122,7 @@ def as_json(story: Story) -> dict[str, Any]:
         "schema": 1,
         "seed": story.seed,
         "engine": story.engine,
+        "rays": story.rays,
         "sealed_sha256": story.digest,
         "hidden": story.truth,
         "diagnosis": {

@@ -70,6 +70,7 @@ def _fresh(request: GainRequest, models: Compared, naming: Sequence[Source]) -> 
         "robots": robots,
         "seed": request.seed,
         "engine": request.engine,
+        "rays": request.rays,
     }
     altered, twins = plan(request.effects, judged=judged, **settings), plan((), **settings)
     drive = models.file.nominal_drive

@@ -13,6 +13,7 @@ import pandas as pd
 from realitygap.models.belief.extension import Extension
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.reality.engine import DEFAULT, engine_name
+from realitygap.reality.rays import DEFAULT_RAYS, rays_name
 from realitygap.studies.gain.compared import compared
 from realitygap.studies.gain.food import FILE as FOOD
 from realitygap.studies.gain.food import read_transfer
@@ -46,6 +47,7 @@ def gain(
     minutes: float = 2.0,
     seed: int = 0,
     engine: str = DEFAULT,
+    rays: str = DEFAULT_RAYS,
     jobs: int | None = None,
     out: Path | str | None = None,
     force: bool = False,
@@ -63,7 +65,8 @@ def gain(
         runs: How many to record.
         minutes: Simulated, of each.
         seed: Everything random follows from it.
-        engine: Physics of the fresh runs' world: pybullet or mujoco.
+        engine: Physics of the fresh runs' world: pybullet, pybullet-strict or mujoco.
+        rays: Who answers what infrared meets: engine, or closed.
         jobs: Processes; all cores if absent.
         out: Directory to write everything into as well, as `write` does; claimed before any work.
         force: Replace a gain that is there.
@@ -86,6 +89,7 @@ def gain(
             minutes=minutes,
             seed=seed,
             engine=world,
+            rays=rays_name(rays),
             jobs=jobs,
         )
         found = measure(request, reach)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from realitygap.models.belief.modelfile import DEFAULT as ROBOT
 from realitygap.reality.engine import DEFAULT, EngineName
+from realitygap.reality.rays import DEFAULT_RAYS, RaysName
 from realitygap.studies.inputs.logs import Source
 from realitygap.studies.inputs.model import Model
 from realitygap.studies.plumbing.typed import option, typed
@@ -26,6 +27,7 @@ class GainRequest:
     seed: int = 0
     engine: EngineName = DEFAULT
     """Of the fresh runs' world."""
+    rays: RaysName = DEFAULT_RAYS
     jobs: int | None = None
 
     @property
@@ -39,4 +41,5 @@ class GainRequest:
         if self.effects:
             words += ["--runs", self.runs, "--minutes", f"{self.minutes:g}", "--seed", self.seed]
             words += ["--engine", self.engine] if self.engine != DEFAULT else []
+            words += ["--rays", self.rays] if self.rays != DEFAULT_RAYS else []
         return typed(*words)

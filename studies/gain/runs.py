@@ -17,6 +17,7 @@ from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.log.measured import MeasuredLog, make_log, read_log
 from realitygap.models.naming.claims.prediction import prediction_errors
 from realitygap.reality.engine import DEFAULT, EngineName
+from realitygap.reality.rays import DEFAULT_RAYS, RaysName
 from realitygap.studies.plumbing.rooms import scratch
 from realitygap.studies.run.experiment import Case, RunConfig, simulate
 
@@ -81,6 +82,7 @@ def plan(
     robots: int,
     seed: int,
     engine: EngineName = DEFAULT,
+    rays: RaysName = DEFAULT_RAYS,
     judged: frozenset[int] | None = None,
 ) -> list[HeldOut]:
     """Runs to record; seeds follow from `seed` and the number, not from the effects."""
@@ -95,6 +97,7 @@ def plan(
             robots=robots,
             seed=int(own),
             engine=engine,
+            rays=rays,
         )
         planned.append(HeldOut(index, config, effects, judged))
     return planned

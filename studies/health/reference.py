@@ -33,6 +33,7 @@ from realitygap.models.naming.health.senses import (
     write_sense_reference,
 )
 from realitygap.reality.engine import DEFAULT, EngineName, engine_name
+from realitygap.reality.rays import DEFAULT_RAYS, RaysName, rays_name
 from realitygap.studies.health.senses import sense_reference_of
 from realitygap.studies.inputs.logs import AnyLog, Source, read_logs, sources
 from realitygap.studies.inputs.model import AnyModel, Model
@@ -70,6 +71,7 @@ class ReferenceRequest:
     seed: int = 0
     engine: EngineName = DEFAULT
     """Of the recorded runs' world."""
+    rays: RaysName = DEFAULT_RAYS
     model: Model
     jobs: int | None = None
 
@@ -79,6 +81,7 @@ class ReferenceRequest:
         words: list[object] = ["realitygap", "reference", *(one.typed for one in self.logs)]
         words += ["--runs", self.runs, "--seed", self.seed] if self.runs else []
         words += ["--engine", self.engine] if self.runs and self.engine != DEFAULT else []
+        words += ["--rays", self.rays] if self.runs and self.rays != DEFAULT_RAYS else []
         words += ["--manoeuvres"] if self.manoeuvres else []
         words += ["--model", self.model.typed] if self.model.typed else []
         return typed(*words)
@@ -93,6 +96,7 @@ def measure_health(
     manoeuvres: bool = False,
     seed: int = 0,
     engine: str = DEFAULT,
+    rays: str = DEFAULT_RAYS,
     jobs: int | None = None,
     force: bool = False,
     reach: Callable[[float], None] = lambda done: None,
@@ -106,7 +110,8 @@ def measure_health(
         runs: Healthy runs of the nominal world to record, two minutes each.
         manoeuvres: Record the manoeuvres of `probe:NAME` in turn.
         seed: Of the recorded runs.
-        engine: Physics of their world: pybullet or mujoco.
+        engine: Physics of their world: pybullet, pybullet-strict or mujoco.
+        rays: Who answers what infrared meets: engine, or closed.
         jobs: Processes; all cores if absent.
         force: Replace a reference that is there.
         reach: Called with the share that is done, from 0 to 1.
@@ -120,6 +125,7 @@ def measure_health(
         manoeuvres=manoeuvres,
         seed=seed,
         engine=engine_name(engine, needed=runs > 0),
+        rays=rays_name(rays),
         model=Model.load(model),
         jobs=jobs,
     )
@@ -198,6 +204,7 @@ def _record(task: tuple[ReferenceRequest, int, tuple[str, str], Path]) -> Path:
             "minutes": MINUTES,
             "seed": int(np.random.SeedSequence([request.seed, number]).generate_state(1)[0]),
             "engine": request.engine,
+            "rays": request.rays,
         }
     )
     simulate(config, (), out)

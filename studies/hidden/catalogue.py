@@ -33,7 +33,7 @@ INTRODUCTION = f"""{TITLE}
 
 What can be hidden in reality with
 `realitygap run --effect NAME:key=value[,key=value...]` (repeatable), and what `realitygap diagnose`
-may answer. Every effect acts in both physics engines (`--engine`). The two sides are written
+may answer. Every effect acts in every physics engine (`--engine`). The two sides are written
 independently: an effect changes the body, the motors, the optics or the clock of the physical
 world, a cause is a term of the point model, and they meet only through measured numbers.
 

@@ -28,6 +28,7 @@ from realitygap.models import load_model, read_model_file
 from realitygap.models.belief.catalogue import every_cause
 from realitygap.models.belief.extension import Extension, NamedCause, ParameterValue
 from realitygap.reality.engine import DEFAULT, EngineName, engine_class, engine_name
+from realitygap.reality.rays import DEFAULT_RAYS, RaysName, rays_name
 from realitygap.reality.senses import Infrared, Light, Tracker
 from realitygap.reality.world import World
 from realitygap.studies.measure.convergence import search_commands
@@ -74,13 +75,16 @@ def clocked(spent: dict[str, float], engine: EngineName) -> Iterator[None]:
             setattr(owner, name, original)
 
 
-def _config(minutes: float, engine: str) -> RunConfig:
-    return run_config(minutes=minutes, robots=ROBOTS, seed=1, engine=engine_name(engine))
+def _config(minutes: float, engine: str, rays: str) -> RunConfig:
+    world = {"engine": engine_name(engine), "rays": rays_name(rays)}
+    return run_config(minutes=minutes, robots=ROBOTS, seed=1, **world)
 
 
-def co_evolution(minutes: float, engine: EngineName) -> tuple[float, dict[str, float]]:
+def co_evolution(
+    minutes: float, engine: EngineName, rays: RaysName = DEFAULT_RAYS
+) -> tuple[float, dict[str, float]]:
     """Simulated seconds per second of a whole run, and the share of time of each part."""
-    config = _config(minutes, engine)
+    config = _config(minutes, engine, rays)
     spent: dict[str, float] = {}
     began = time.process_time()
     with scratch() as out:
@@ -210,6 +214,7 @@ def bench(
     *,
     minutes: float = 5.0,
     engine: str = DEFAULT,
+    rays: str = DEFAULT_RAYS,
     force: bool = False,
     reach: Callable[[float], None] = lambda done: None,
 ) -> dict[str, Any]:
@@ -218,7 +223,8 @@ def bench(
     Args:
         out: The file (JSON).
         minutes: Simulated, of the long runs.
-        engine: Physics of the world: pybullet or mujoco.
+        engine: Physics of the world: pybullet, pybullet-strict or mujoco.
+        rays: Who answers what infrared meets: engine, or closed.
         force: Replace figures that are there.
         reach: Called with the share that is done, from 0 to 1.
 
@@ -226,19 +232,21 @@ def bench(
         The content of the file: figures by name, and `shares` of a run's time by part.
 
     Raises:
-        InputError: `minutes` or `engine` cannot be used, or `out` cannot be written.
+        InputError: `minutes`, `engine` or `rays` cannot be used, or `out` cannot be written.
     """
-    name = _config(minutes, engine).engine  # refused before anything is timed
+    asked = _config(minutes, engine, rays)  # refused before anything is timed
+    name = asked.engine
     with whole_file(out, force=force) as part:
         figures = point_model()
         reach(0.25)
         figures["help_cpu_seconds"] = command("--help")
-        run = ("run", "--minutes", "0.1", "--engine", name, "--quiet", "--out", "OUT/run")
+        world = ("--engine", name, "--rays", asked.rays)
+        run = ("run", "--minutes", "0.1", *world, "--quiet", "--out", "OUT/run")
         figures["short_run_cpu_seconds"] = command(*run)
         reach(0.5)
         bare = bare_stepping(minutes, name)
         reach(0.75)
-        speed, shares = co_evolution(minutes, name)
+        speed, shares = co_evolution(minutes, name, asked.rays)
         reach(1.0)
         figures |= {
             "co_evolution_times_real_time": speed,
@@ -246,6 +254,6 @@ def bench(
             "run_over_bare": bare / speed,
         }
         content = {"schema": 1, **figures, "shares": shares, "minutes": minutes, "robots": ROBOTS}
-        content |= {"engine": name, "versions": versions()}
+        content |= {"engine": name, "rays": asked.rays, "versions": versions()}
         write_json(part, content)
     return content

@@ -2,7 +2,7 @@
 
 `realitygap measure convergence` drives twelve robots, far apart and without
 walls, through the same 60 s of commands at twelve headings, then through five manoeuvres of a
-figure each, and compares every setting of both engines with pybullet's finest one. Last it measures
+figure each, and compares every setting of every engine with pybullet's finest one. Last it measures
 what the engines do that no robot does (`studies.measure.artefacts`).
 """
 
@@ -26,11 +26,13 @@ SEED = 20_111
 
 CHOSEN: dict[EngineName, Setting] = {
     "pybullet": Setting(k.PHYSICS_STEP, k.SOLVER_ITERATIONS, "pybullet"),
+    "pybullet-strict": Setting(k.PHYSICS_STEP, k.STRICT_ITERATIONS, "pybullet-strict"),
     "mujoco": Setting(k.PHYSICS_STEP, k.NEWTON_ITERATIONS, "mujoco"),
 }
 """Those in use."""
 FINER: dict[EngineName, Setting] = {
     "pybullet": Setting(0.5 * k.PHYSICS_STEP, 10 * k.SOLVER_ITERATIONS, "pybullet"),
+    "pybullet-strict": Setting(0.5 * k.PHYSICS_STEP, 10 * k.STRICT_ITERATIONS, "pybullet-strict"),
     "mujoco": Setting(0.5 * k.PHYSICS_STEP, k.NEWTON_ITERATIONS, "mujoco"),
 }
 FINEST = Setting(0.00125, 200, "pybullet")
@@ -39,6 +41,7 @@ WRONG: dict[EngineName, tuple[Setting, ...]] = {
         Setting(k.PHYSICS_STEP, 4, "pybullet"),
         Setting(2.0 * k.PHYSICS_STEP, 5, "pybullet"),
     ),
+    "pybullet-strict": (Setting(k.PHYSICS_STEP, 4, "pybullet-strict"),),
     "mujoco": (Setting(k.PHYSICS_STEP, 3, "mujoco"),),
 }
 """Fast and wrong."""
@@ -49,6 +52,9 @@ SETTINGS = (
     FINER["pybullet"],
     FINEST,
     *WRONG["pybullet"],
+    CHOSEN["pybullet-strict"],
+    FINER["pybullet-strict"],
+    *WRONG["pybullet-strict"],
     CHOSEN["mujoco"],
     FINER["mujoco"],
     Setting(FINEST.step, k.NEWTON_ITERATIONS, "mujoco"),
@@ -59,6 +65,8 @@ ARTEFACTS = (
     CHOSEN["pybullet"],
     Setting(0.0025, k.SOLVER_ITERATIONS, "pybullet"),
     FINEST,
+    CHOSEN["pybullet-strict"],
+    Setting(0.0025, k.STRICT_ITERATIONS, "pybullet-strict"),
     CHOSEN["mujoco"],
     Setting(0.0025, k.NEWTON_ITERATIONS, "mujoco"),
 )

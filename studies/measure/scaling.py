@@ -6,16 +6,21 @@ its peak of memory is its own.
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import resource
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from realitygap.reality import constants as k
+from realitygap.reality.engine import DEFAULT, engine_name
+from realitygap.reality.rays import DEFAULT_RAYS, rays_name
 from realitygap.studies.plumbing.execution import tie_to_parent
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.rooms import scratch
@@ -24,6 +29,8 @@ from realitygap.studies.run.settings import run_config
 
 ROBOTS = (1, 2, 5, 10, 20, 35, 50, 75, 100)
 """More than a hundred find no room in the arena: 200 e-pucks are two thirds of its floor."""
+ALIKE = (10, 20, 40, 100, 200)
+"""Robots in arenas that grow with them, so that each has as much floor as one of ten."""
 MINUTES = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 60.0)
 
 
@@ -37,16 +44,24 @@ def cost(config: RunConfig) -> dict[str, float]:
     return {
         "robots": config.robots,
         "minutes": config.minutes,
+        "arena_radius": round(config.arena_radius, 3),
         "cpu_seconds": round(seconds, 3),
         "peak_mb": round(peak, 1),
     }
 
 
-def measure(robots_for: float, reach: Callable[[float], None]) -> pd.DataFrame:
-    """A row per run: some against the number of robots, some against minutes."""
-    configs = [run_config(robots=robots, minutes=robots_for, seed=1) for robots in ROBOTS]
-    configs += [RunConfig(robots=10, minutes=minutes, seed=1) for minutes in MINUTES]
-    against = ["robots"] * len(ROBOTS) + ["minutes"] * len(MINUTES)
+def measure(
+    robots_for: float, world: dict[str, Any], reach: Callable[[float], None]
+) -> pd.DataFrame:
+    """A row per run: some against robots, some against robots as dense, some against minutes."""
+    configs = [run_config(robots=robots, minutes=robots_for, seed=1, **world) for robots in ROBOTS]
+    for robots in ALIKE:
+        radius = k.ARENA_RADIUS * math.sqrt(robots / ALIKE[0])
+        configs.append(
+            run_config(robots=robots, minutes=robots_for, seed=1, arena_radius=radius, **world)
+        )
+    configs += [run_config(robots=10, minutes=minutes, seed=1, **world) for minutes in MINUTES]
+    against = ["robots"] * len(ROBOTS) + ["density"] * len(ALIKE) + ["minutes"] * len(MINUTES)
     rows = []
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(
@@ -72,19 +87,21 @@ def figure(table: pd.DataFrame, file: Path) -> None:
     import seaborn as sns
 
     sns.set_theme(style="whitegrid", context="paper")
-    drawn, axes = plt.subplots(1, 3, figsize=(10.0, 3.2), layout="constrained")
-    for ax, against in zip(axes, ("robots", "minutes"), strict=False):
+    drawn, axes = plt.subplots(1, 4, figsize=(13.0, 3.2), layout="constrained")
+    drawn_against = {"robots": "robots", "density": "robots", "minutes": "minutes"}
+    for ax, (against, column) in zip(axes, drawn_against.items(), strict=False):
         own = table[table["against"] == against]
-        start, slope, worst = line(own[against], own["cpu_seconds"])
-        ax.plot(own[against], own["cpu_seconds"], "o")
-        ends = np.array([0.0, own[against].max()])
+        start, slope, worst = line(own[column], own["cpu_seconds"])
+        ax.plot(own[column], own["cpu_seconds"], "o")
+        ends = np.array([0.0, own[column].max()])
         ax.plot(ends, start + slope * ends, "-", color="0.5")
-        ax.set(xlabel=against, ylabel="processor time (s)")
+        dense = ", equally dense" if against == "density" else ""
+        ax.set(xlabel=column + dense, ylabel="processor time (s)")
         ax.set_title(f"{start:.2f} s + {slope:.3g} s each, within {100 * worst:.0f} %")
     own = table[table["against"] == "minutes"]
-    axes[2].plot(own["minutes"], own["peak_mb"], "o-")
+    axes[3].plot(own["minutes"], own["peak_mb"], "o-")
     top = 1.25 * own["peak_mb"].max()
-    axes[2].set(xlabel="minutes", ylabel="peak memory (MB)", ylim=(0.0, top))
+    axes[3].set(xlabel="minutes", ylabel="peak memory (MB)", ylim=(0.0, top))
     drawn.savefig(file, dpi=150)
     plt.close(drawn)
 
@@ -93,6 +110,8 @@ def scaling(
     out: Path,
     *,
     minutes: float = 1.0,
+    engine: str = DEFAULT,
+    rays: str = DEFAULT_RAYS,
     force: bool = False,
     reach: Callable[[float], None] = lambda done: None,
 ) -> pd.DataFrame:
@@ -101,18 +120,22 @@ def scaling(
     Args:
         out: Directory of scaling.csv and scaling.png.
         minutes: Simulated, of the runs against the number of robots.
+        engine: Physics of the world: pybullet, pybullet-strict or mujoco.
+        rays: Who answers what infrared meets: engine, or closed.
         force: Replace what is there.
         reach: Called with the share that is done, from 0 to 1.
 
     Returns:
-        A row per run: `against` (robots or minutes), `robots`, `minutes`, `cpu_seconds` (s) and
-        `peak_mb` (MB).
+        A row per run: `against` (robots; density: robots in arenas that grow with them; minutes),
+        `robots`, `minutes`, `arena_radius` (m), `cpu_seconds` (s) and `peak_mb` (MB).
 
     Raises:
-        InputError: `minutes` cannot be used, or `out` cannot be written.
+        InputError: `minutes`, `engine` or `rays` cannot be used, or `out` cannot be written.
     """
+    world = {"engine": engine_name(engine), "rays": rays_name(rays)}
+    run_config(minutes=minutes, **world)  # refused before anything is timed
     with whole_directory(out, force=force, holds=("scaling.csv",)) as part:
-        table = measure(minutes, reach)
+        table = measure(minutes, world, reach)
         table.to_csv(part / "scaling.csv", index=False)
         figure(table, part / "scaling.png")
     return table

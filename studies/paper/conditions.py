@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from realitygap.reality.engine import DEFAULT, EngineName
+from realitygap.reality.rays import DEFAULT_RAYS, RaysName
 from realitygap.studies.inputs.model import Model
 from realitygap.studies.run.experiment import Case, Controller, Minutes, Robots, RunConfig, Seed
 from realitygap.studies.run.settings import checked
@@ -81,6 +82,7 @@ class StudyConfig(BaseModel):
     robots: Robots = 10
     seed: Seed = 0
     engine: EngineName = DEFAULT
+    rays: RaysName = DEFAULT_RAYS
     model: str | None = None
     """Model file on board; None: the shipped nominal e-puck."""
     model_hash: str | None = None
@@ -139,6 +141,7 @@ def plan(study: StudyConfig, conditions: tuple[Condition, ...]) -> tuple[Planned
                 samples=False,
                 model=study.model,
                 engine=study.engine,
+                rays=study.rays,
                 **condition.changes,
             ),
             model_hash=study.model_hash,

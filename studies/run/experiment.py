@@ -23,14 +23,17 @@ from realitygap.embedded_sim.onboard import Swarm
 from realitygap.embedded_sim.probes import PREFIX, probe
 from realitygap.embedded_sim.reading import Bounding, reading
 from realitygap.reality import constants as k
+from realitygap.reality.arena import ForagingArena
 from realitygap.reality.effects import parse_effects
 from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.reality.hardware import lamp_power
+from realitygap.reality.rays import DEFAULT_RAYS, RaysName
 from realitygap.reality.world import World
 from realitygap.studies.inputs.model import Model
 from realitygap.studies.plumbing.provenance import versions, write_json
 from realitygap.studies.run.manoeuvre import Manoeuvre
 from realitygap.studies.run.recorder import Recorder, RunTables
+from realitygap.studies.run.wider import widened
 
 if TYPE_CHECKING:
     from realitygap.reality.effects import Effect, HiddenEffect
@@ -93,7 +96,9 @@ with food and leaves it without; of `half-to-and-fro` every second robot does.""
 Minutes = Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)]
 """Simulated; at most a day."""
 Robots = Annotated[int, Field(ge=1, le=100)]
-"""More do not find room in the arena."""
+"""More do not find room in the nominal arena."""
+MOST_ROBOTS = 1000
+"""In a wider one; our choice: five times as many as were tried."""
 Seed = Annotated[int, Field(ge=0, le=2**63 - 1)]
 Trials = Annotated[int, Field(ge=1, le=1000)]
 """Embedded trials per genome."""
@@ -109,7 +114,7 @@ class RunConfig(BaseModel):
     case: Case = "light-at-nest"
     controller: Controller | Annotated[str, AfterValidator(_known_probe)] = "coevolution"
     minutes: Minutes = 60.0
-    robots: Robots = 10
+    robots: Annotated[int, Field(ge=1, le=MOST_ROBOTS)] = 10
     seed: Seed = 0
     model: str | None = None
     """Model file on board; None: the shipped nominal e-puck."""
@@ -126,6 +131,9 @@ class RunConfig(BaseModel):
     """m from the lamp at which its contrast fades; None: the nominal lamp."""
     engine: EngineName = DEFAULT
     """Of the world's physics."""
+    rays: RaysName = DEFAULT_RAYS
+    arena_radius: Annotated[float, Field(ge=k.ARENA_RADIUS, le=10.0)] = k.ARENA_RADIUS
+    """m; nest and lamps move out with the wall, and food stays as dense."""
 
     @property
     def steps(self) -> int:
@@ -163,7 +171,9 @@ def simulate(
     began = time.perf_counter()
     hidden = parse_effects(effects, config.robots, unlisted)
     believed = model or Model.load(config.model)
-    models = believed.on_board(config.robots)  # refused if wrong, whoever is to use it
+    arena = ForagingArena(config.arena_radius)
+    # refused if wrong, whoever is to use it
+    models = [widened(model, arena) for model in believed.on_board(config.robots)]
     inputs = believed.entries()
     behaviour = Behaviour()
     world_seed, swarm_seed, evolution_seed, start_seed = np.random.SeedSequence(config.seed).spawn(
@@ -193,6 +203,8 @@ def simulate(
         poses=swarm.starts if isinstance(swarm, Manoeuvre) else None,
         lamp_power=_lamp_power(config),
         engine=config.engine,
+        rays=config.rays,
+        arena=arena,
     )
     try:
         run = name or run_name(config)

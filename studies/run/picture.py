@@ -16,7 +16,7 @@ import seaborn as sns
 from matplotlib.patches import Circle
 
 from realitygap.reality import constants as k
-from realitygap.reality.hardware import LAMP_PLACES
+from realitygap.reality.hardware import NOMINAL
 from realitygap.studies.run.experiment import HALVES, Case
 
 THIRDS = ("light opposite nest", "no light", "light at nest")
@@ -53,7 +53,7 @@ def _arena(axes: Any, samples: pd.DataFrame, case: Case) -> None:
         axes.plot(track["x"], track["y"], linewidth=0.8, alpha=0.8)
     axes.add_patch(Circle((0, 0), k.ARENA_RADIUS, fill=False, color="black", linewidth=2))
     axes.add_patch(Circle(k.NEST[:2], k.NEST[2], color="#55a868", alpha=0.25, label="nest"))
-    lamp = LAMP_PLACES[HALVES[case][1]]
+    lamp = NOMINAL.lamps[HALVES[case][1]]
     if lamp is not None:
         axes.plot(*lamp, marker="*", markersize=22, color="gold", markeredgecolor="black")
         axes.annotate("lamp", lamp, textcoords="offset points", xytext=(2, 14))

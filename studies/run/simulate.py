@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
+from realitygap.reality.constants import ARENA_RADIUS
 from realitygap.reality.engine import DEFAULT, engine_name
-from realitygap.studies.inputs.imported import read_log
-from realitygap.studies.inputs.logs import Log
+from realitygap.reality.rays import DEFAULT_RAYS, rays_name
 from realitygap.studies.inputs.model import AnyModel, Model
 from realitygap.studies.pages.notebook import Telling
 from realitygap.studies.plumbing.output import whole_directory
@@ -21,6 +21,9 @@ from realitygap.studies.run import experiment
 from realitygap.studies.run.altered import MODEL
 from realitygap.studies.run.experiment import RunConfig
 from realitygap.studies.run.settings import run_config
+
+if TYPE_CHECKING:
+    from realitygap.studies.inputs.logs import Log
 
 FILE = "run.json"
 TABLES = ("generations", "deposits", "samples")
@@ -65,6 +68,8 @@ class RunResult(Telling):
             InputError: the run was too short to tell anything.
             KeyError: the run kept no samples.
         """
+        from realitygap.studies.inputs.imported import read_log  # every format: a run needs none
+
         if self.path is None:
             return read_log(self.samples, model=model)
         return read_log(self.path, model=model)
@@ -99,6 +104,8 @@ def simulate(
     trials: int = 1,
     genome: str = "paper",
     engine: str = DEFAULT,
+    rays: str = DEFAULT_RAYS,
+    arena_radius: float = ARENA_RADIUS,
     samples: bool = True,
     out: Path | str | None = None,
     force: bool = False,
@@ -111,14 +118,16 @@ def simulate(
             at-nest-to-opposite or opposite-to-at-nest.
         controller: coevolution, a fixed controller, or a manoeuvre `probe:NAME`.
         minutes: Simulated, at most a day.
-        robots: At most 100.
+        robots: At most 1000; 100 find room in the nominal arena.
         seed: Everything random follows from it.
         effects: SPECs (`NAME:key=value,...`) of what to hide in reality; see `effects()`.
         model: On board; the e-puck if absent.
         reading: Of the paper: default, literal, neutral, reflect or wrap.
         trials: Embedded trials per genome.
         genome: paper or continuous.
-        engine: Physics of the world: pybullet, or mujoco (the extra [mujoco]).
+        engine: Physics of the world: pybullet, pybullet-strict or mujoco (the extra [mujoco]).
+        rays: Who answers what infrared meets: engine, or closed (exact).
+        arena_radius: m; nest and lamps move out with the wall, and food stays as dense.
         samples: Keep the measured log.
         out: Directory for the tables, run.json and, apart, truth.json; None: tables in memory.
         force: Replace a run that is there.
@@ -140,6 +149,8 @@ def simulate(
         trials=trials,
         genome=genome,
         engine=engine_name(engine),
+        rays=rays_name(rays),
+        arena_radius=arena_radius,
         samples=samples,
     )
     with _place(out, force) as part:

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from realitygap.reality.engine import DEFAULT, EngineName
+from realitygap.reality.rays import DEFAULT_RAYS, RaysName
 from realitygap.studies.inputs.model import Model
 from realitygap.studies.paper.conditions import run_seed
 from realitygap.studies.run.experiment import (
@@ -49,6 +50,7 @@ class TransferConfig(BaseModel):
     robots: Robots = 10
     seed: Seed = 0
     engine: EngineName = DEFAULT
+    rays: RaysName = DEFAULT_RAYS
     trials: Trials = TRIALS
     genome: GenomeName = "paper"
     extended: str | None = None
@@ -124,6 +126,7 @@ def _run(study: TransferConfig, one: Alteration, controller: str, index: int) ->
             trials=1 if fixed else study.trials,
             genome="paper" if fixed else study.genome,
             engine=study.engine,
+            rays=study.rays,
         ),
         model=model_origin(study, one, controller),
     )
@@ -149,6 +152,7 @@ def log_config(study: TransferConfig, one: Alteration) -> RunConfig:
         robots=study.robots,
         seed=run_seed(study.seed, f"transfer.{one.name}.log", 0),
         engine=study.engine,
+        rays=study.rays,
     )
 
 

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from realitygap.embedded_sim import CONTROL_STEP, InputError, PointModel
+from realitygap.embedded_sim.manoeuvres import NAMES
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.embedded_sim.pilot import ARRIVED, PATIENCE, Pilot, fly
 from realitygap.embedded_sim.probes import MENU, Lap, Probe, probe
@@ -103,3 +104,7 @@ def test_a_swarm_that_finds_no_room_is_refused(name: str) -> None:
 def test_an_unknown_manoeuvre_names_the_nearest() -> None:
     with pytest.raises(InputError, match="did you mean slow-ramp"):
         probe("slowramp")
+
+
+def test_the_names_that_are_listed_are_those_of_the_menu() -> None:
+    assert tuple(MENU) == NAMES

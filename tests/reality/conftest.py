@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
-
 import pytest
 
-from realitygap.reality.engine import ENGINES, EngineName
+from realitygap.reality.engine import ENGINES, EngineName, installed
 from tests.reality import hidden
 
 
@@ -14,7 +12,7 @@ from tests.reality import hidden
 def engine(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> EngineName:
     """Each engine in turn; the worlds of `hidden` are of this one meanwhile."""
     name: EngineName = request.param
-    if find_spec(name) is None:
+    if not installed(name):
         pytest.skip(f"{name} is not installed")
     monkeypatch.setattr(hidden, "ENGINE", name)
     return name

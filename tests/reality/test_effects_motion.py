@@ -79,7 +79,7 @@ def test_a_weak_motor_accelerates_with_its_torque(engine: EngineName, torque: fl
         f"weak_motor:torque={torque},robot=1",
     )
     # pybullet's poses are those of a step's end, each step at the speed it ends with
-    ahead = {"pybullet": k.PHYSICS_STEP, "mujoco": 0.0}[engine]
+    ahead = k.PHYSICS_STEP if engine == "pybullet" else 0.0
     way = path.ahead[6, 1] - path.ahead[5, 1]  # settled on its skid
     acceleration = 2.0 * way / (k.CONTROL_STEP * (k.CONTROL_STEP + ahead))
     force = 2.0 * torque / k.WHEEL_RADIUS

@@ -13,7 +13,6 @@ from realitygap.reality.engine import Engine, EngineName, engine_class
 from realitygap.reality.hardware import Hardware
 from realitygap.reality.pybullet_engine import PybulletEngine
 from realitygap.reality.senses import Infrared, Light, Radio, Tracker
-from realitygap.reality.world import scatter
 
 AMPLITUDE = [counts * k.IR_OFFSET**2 for counts in k.IR_CONTACT_COUNTS]
 OPPOSITE, NO_LIGHT, AT_NEST = 0, 1, 2
@@ -118,40 +117,6 @@ def rays(poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     u = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=2).reshape(-1, 3)
     start = np.repeat(np.column_stack([poses[:, :2], 0 * angles[:, 0] + k.SENSOR_HEIGHT]), 8, 0)
     return start + RIM * u, start + (RIM + k.IR_RANGE) * u
-
-
-def test_closed_form_rays_end_on_what_they_meet_first() -> None:
-    """By the surfaces' own equations: the end lies on one, nothing solid lies before it."""
-    pytest.importorskip("mujoco")
-    random = np.random.default_rng(3)
-    facet = 2.0 * np.pi * np.arange(k.WALL_FACETS) / k.WALL_FACETS
-    outward = np.stack([np.cos(facet), np.sin(facet)], axis=1)
-    seen = {"wall": 0, "robot": 0, "nothing": 0}
-    for _ in range(40):
-        poses = scatter(10, random)
-        world = crowd("mujoco", poses)
-        start, end = rays(poses)
-        fraction, normals, on_robot = np.zeros(80), np.zeros((80, 2)), np.zeros(80, dtype=np.bool_)
-        world.cast(start, end, fraction, normals, on_robot)
-        world.close()
-        for ray in range(80):
-            way = (end - start)[ray, :2]
-            met = start[ray, :2] + fraction[ray] * way
-            before = start[ray, :2] + fraction[ray] * np.linspace(0.0, 1.0, 50)[:, None] * way
-            apart = np.hypot(*(before[:, None] - poses[None, :, :2]).transpose(2, 0, 1))
-            assert (apart > k.BODY_RADIUS - 1e-12).all()
-            assert (before @ outward.T < k.ARENA_RADIUS + 1e-12).all()
-            if fraction[ray] == 1.0:
-                seen["nothing"] += 1
-                continue
-            away = met - poses[apart[-1].argmin(), :2]
-            side = (outward @ met).argmax()
-            normal = away / k.BODY_RADIUS if on_robot[ray] else -outward[side]
-            depth = np.hypot(*away) - k.BODY_RADIUS if on_robot[ray] else outward[side] @ met - 0.6
-            assert abs(depth) < 1e-12
-            assert normals[ray] == pytest.approx(normal, abs=1e-9)
-            seen["robot" if on_robot[ray] else "wall"] += 1
-    assert min(seen.values()) > 100
 
 
 def test_infrared_noise_has_the_measured_share_of_gross_outliers(engine: EngineName) -> None:

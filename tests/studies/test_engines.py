@@ -7,10 +7,12 @@ import importlib.util
 import json
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from realitygap.reality.engine import EngineName
+from realitygap.reality.engine import ENGINES, EngineName, installed
+from realitygap.reality.rays import RAYS, RaysName
 from realitygap.studies.blind.trials import blind_config
 from realitygap.studies.blind.trials import plan as blind_plan
 from realitygap.studies.demo import chapters
@@ -66,7 +68,9 @@ def test_an_unknown_engine_ends_with_two_and_one_line(tmp_path: Path) -> None:
     result = realitygap("run", "--engine", "bullet", "--out", tmp_path / "run")
     assert result.returncode == 2
     assert result.stderr.count("\n") == 1
-    assert "--engine: got 'bullet', expected one of pybullet, mujoco" in result.stderr
+    assert (
+        "--engine: got 'bullet', expected one of pybullet, pybullet-strict, mujoco" in result.stderr
+    )
 
 
 def test_a_run_in_mujoco_says_so_and_repeats_byte_for_byte(tmp_path: Path) -> None:
@@ -89,27 +93,58 @@ def test_a_run_in_mujoco_says_so_and_repeats_byte_for_byte(tmp_path: Path) -> No
     assert not filecmp.cmp(*samples, shallow=False)
 
 
-def planned(engine: EngineName) -> dict[str, set[str]]:
-    """Engines of the runs that each command plans."""
-    blind = blind_plan(blind_config(trials=3, effects=("motor_lag",), engine=engine))
-    study = study_plan(study_config(runs=1, engine=engine), STUDIED)
+def test_unknown_rays_end_with_two_and_one_line(tmp_path: Path) -> None:
+    result = realitygap("run", "--rays", "exact", "--out", tmp_path / "run")
+    assert result.returncode == 2
+    assert result.stderr.count("\n") == 1
+    assert "--rays: got 'exact', expected one of engine, closed" in result.stderr
+
+
+def test_closed_rays_change_infrared_in_pybullet_and_nothing_in_mujoco(tmp_path: Path) -> None:
+    """A manoeuvre: what it does depends on no sensor. MuJoCo's own rays are the closed form."""
+    for engine in (one for one in ENGINES if installed(one)):
+        seen = {}
+        for rays in RAYS:
+            out = tmp_path / engine / rays
+            out.mkdir(parents=True)
+            asked = {"minutes": 0.4, "controller": "probe:tour", "robots": 4, "seed": 3}
+            config = RunConfig.model_validate({**asked, "engine": engine, "rays": rays})
+            simulate(config, (), out)
+            notes = json.loads((out / "run.json").read_text(encoding="utf-8"))
+            assert notes["config"]["rays"] == rays
+            seen[rays] = pd.read_parquet(out / "samples.parquet")
+        infrared = [f"ps{i}" for i in range(8)]
+        one, other = seen["engine"], seen["closed"]
+        assert one.drop(columns=infrared).equals(other.drop(columns=infrared))
+        assert one[infrared].equals(other[infrared]) == (engine == "mujoco")
+
+
+def planned(engine: EngineName, rays: RaysName) -> dict[str, set[tuple[str, str]]]:
+    """Engines and rays of the runs that each command plans."""
+    asked = {"engine": engine, "rays": rays}
+    blind = blind_plan(blind_config(trials=3, effects=("motor_lag",), **asked))
+    study = study_plan(study_config(runs=1, **asked), STUDIED)
     alterations = chosen(("half-blind",), "light-at-nest", 10)
-    transfer = transfer_config(alterations=alterations, runs=1, engine=engine)
-    story = Story(1, Size(), draw(1), engine)
-    gain = gain_plan((), runs=2, minutes=1.0, robots=3, seed=1, engine=engine)
-    return {
-        "blind": {trial.run.engine for trial in blind},
-        "study": {run.config.engine for run in study},
-        "transfer": {run.config.engine for run in transfer_plan(transfer)},
-        "transfer's log": {log_config(transfer, alterations[0]).engine},
-        "demo": {chapters._config(story, 0).engine},
-        "gain": {run.config.engine for run in gain},
+    transfer = transfer_config(alterations=alterations, runs=1, **asked)
+    story = Story(1, Size(), draw(1), engine, rays)
+    gain = gain_plan((), runs=2, minutes=1.0, robots=3, seed=1, engine=engine, rays=rays)
+    configs = {
+        "blind": [trial.run for trial in blind],
+        "study": [run.config for run in study],
+        "transfer": [run.config for run in transfer_plan(transfer)],
+        "transfer's log": [log_config(transfer, alterations[0])],
+        "demo": [chapters._config(story, 0)],
+        "gain": [run.config for run in gain],
     }
+    return {name: {(one.engine, one.rays) for one in each} for name, each in configs.items()}
 
 
-def test_every_planned_run_is_of_the_engine_asked_for() -> None:
-    assert all(found == {"mujoco"} for found in planned("mujoco").values())
-    assert all(found == {"pybullet"} for found in planned("pybullet").values())
+@pytest.mark.parametrize("rays", RAYS)
+@pytest.mark.parametrize("engine", ENGINES)
+def test_every_planned_run_is_of_the_engine_and_rays_asked_for(
+    engine: EngineName, rays: RaysName
+) -> None:
+    assert all(found == {(engine, rays)} for found in planned(engine, rays).values())
 
 
 def test_healthy_runs_for_a_reference_are_of_the_engine_asked_for(
@@ -119,9 +154,9 @@ def test_healthy_runs_for_a_reference_are_of_the_engine_asked_for(
     monkeypatch.setattr(
         "realitygap.studies.run.experiment.simulate", lambda config, *rest: seen.append(config)
     )
-    request = ReferenceRequest(runs=1, engine="mujoco", model=Model.load())
+    request = ReferenceRequest(runs=1, engine="mujoco", rays="closed", model=Model.load())
     reference._record((request, 0, reference.KINDS[0], tmp_path))
-    assert [config.engine for config in seen] == ["mujoco"]
+    assert [(config.engine, config.rays) for config in seen] == [("mujoco", "closed")]
 
 
 def test_what_a_user_would_type_names_an_engine_that_is_not_the_usual() -> None:
@@ -129,8 +164,12 @@ def test_what_a_user_would_type_names_an_engine_that_is_not_the_usual() -> None:
     gain = {"logs": log, "extended": model, "effects": ("motor_lag",)}
     assert "--engine mujoco" in GainRequest(**gain, engine="mujoco").command
     assert "--engine" not in GainRequest(**gain).command
+    assert "--rays closed" in GainRequest(**gain, rays="closed").command
+    assert "--rays" not in GainRequest(**gain).command
     assert "--engine mujoco" in ReferenceRequest(runs=1, engine="mujoco", model=model).command
     assert "--engine" not in ReferenceRequest(logs=log, engine="mujoco", model=model).command
+    assert "--rays closed" in ReferenceRequest(runs=1, rays="closed", model=model).command
+    assert "--rays" not in ReferenceRequest(logs=log, rays="closed", model=model).command
 
 
 def test_the_help_names_the_extra_that_an_engine_needs() -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from realitygap.embedded_sim import InputError
 from realitygap.embedded_sim.model import FloatArray
@@ -45,6 +44,8 @@ def composed(parts: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, Fl
     Returns:
         (n,) s and (n, 7) poses.
     """
+    from scipy.spatial.transform import Rotation  # a tenth of a second, and few logs have frames
+
     moving = [times for times, _ in parts if len(times) > 1]
     when = moving[-1] if moving else parts[-1][0]
     begun = max((times[0] for times in moving), default=-np.inf)
