@@ -127,6 +127,7 @@ def _result(request: Request, log: Log, examined: WholeExamination) -> Diagnosis
         command=request.command,
         next_commands=following,
         examined=examined,
+        log=log,
     )
 
 

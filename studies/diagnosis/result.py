@@ -13,6 +13,7 @@ from realitygap.models.log.preflight.entry import PreflightEntry
 from realitygap.models.naming.channels.senses.joined import WholeExamination
 from realitygap.models.naming.diagnosis import Verdict
 from realitygap.studies.diagnosis.words import verdict_sentence
+from realitygap.studies.inputs.logs import Log
 from realitygap.studies.inputs.model import Model
 from realitygap.studies.pages.notebook import Telling, rows_table
 from realitygap.studies.plumbing.output import whole_directory
@@ -35,6 +36,8 @@ class DiagnosisResult(Telling):
     """What to type to tell rivals apart; empty: nothing is proposed."""
     examined: WholeExamination = field(repr=False)
     """What the diagnosis was drawn from."""
+    log: Log = field(repr=False)
+    """The log that was diagnosed."""
 
     @property
     def verdict(self) -> Verdict:
@@ -122,16 +125,18 @@ class DiagnosisResult(Telling):
 
     def keep(self, folder: Path) -> None:
         """Write the same files into a directory that is there."""
-        from realitygap.studies.diagnosis.report import write_report
+        from realitygap.studies.diagnosis.report import Findings, write_report
 
         write_json(folder / FILE, dict(self.content))
         self.extended.keep(folder)
-        write_report(
-            self.examined,
-            folder / "report.html",
+        shown = Findings(
+            examined=self.examined,
+            log=self.log.measured,
+            extended=self.extended,
             command=self.command,
             following=self.next_commands,
         )
+        write_report(shown, folder / "report.html")
 
     def told(self) -> tuple[str, str, str]:
         """As `Telling`."""

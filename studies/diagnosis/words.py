@@ -18,6 +18,7 @@ from realitygap.models.naming.diagnosis import (
 from realitygap.models.naming.engine.value import Value
 from realitygap.models.naming.findings import Named
 from realitygap.models.naming.rules import Rules
+from realitygap.studies.pages.page import number
 
 VERDICTS = {
     "nothing_wrong": "Nothing wrong: no robot differs from health by more than healthy robots do.",
@@ -152,11 +153,12 @@ def gain_row(name: str, gain: Gain) -> dict[str, str | None]:
     what, _, when = name.partition("_")
     ahead = f" {when.removesuffix('s')} s ahead" if when != "reading" else " readings"
     scale, unit = (1.0, gain.unit) if gain.unit == "counts" else (1e3, f"m{gain.unit}")
-    healthy = None if gain.healthy is None else f"{scale * gain.healthy:.3g}"
+    before, after, low, high = (
+        number(scale * value) for value in (gain.before, gain.after, gain.low, gain.high)
+    )
     return {
         "mean error of": f"{what}{ahead} ({unit})",
-        "before": f"{scale * gain.before:.3g}",
-        "extended model (95 %)": f"{scale * gain.after:.3g} "
-        f"({scale * gain.low:.3g} to {scale * gain.high:.3g})",
-        "of a healthy robot": healthy,
+        "before": before,
+        "extended model (95 %)": f"{after} ({low} to {high})",
+        "of a healthy robot": None if gain.healthy is None else number(scale * gain.healthy),
     }
