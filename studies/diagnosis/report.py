@@ -97,7 +97,7 @@ def write_report(shown: Findings, path: Path) -> None:
 def _tracks(shown: Findings, room: Path) -> list[Section]:
     """Measured, predicted and corrected tracks over one another."""
     found = shown.examined.diagnosis
-    seen = worst_tracks(shown.log, shown.examined.model, shown.extended.file, _moved(found))
+    seen = worst_tracks(shown.log, shown.examined.model, shown.extended.file, moved(found))
     if seen is None:
         return []
     whole, enlarged = room / "track.png", room / "worst.png"
@@ -114,7 +114,7 @@ def _tracks(shown: Findings, room: Path) -> list[Section]:
     return [Section("Where the robot went", figures=drawn)]
 
 
-def _moved(found: Diagnosis) -> set[int]:
+def moved(found: Diagnosis) -> set[int]:
     """Robots in whose motion something is wrong; empty: in none, or in all."""
     moving = [one for one in found.named if not isinstance(one.term.cause, SenseCause)]
     left = [one for one in found.unexplained if one.channel not in SENSED]
@@ -126,7 +126,7 @@ def _evidence(shown: Findings, room: Path) -> list[Section]:
     """Of every cause in its own channel, with its rivals; of motion in any case."""
     examined = shown.examined
     found, drawn = examined.diagnosis, []
-    robots = _moved(found)
+    robots = moved(found)
     if len(examined.errors) and (robots or not found.named):
         figures.draw_errors(examined.errors, robots, room / "errors.png")
         whom = f", of the robots concerned ({len(robots)})" if robots else ", mean of all robots"
