@@ -55,9 +55,6 @@ COUNTED = {"infrared": "ps", "light": "ls"}
 """Channels of what is unexplained in readings, and the kind of sensor that each is of."""
 SENSED = (*COUNTED, "nest")
 """Those that are not of motion."""
-MOST = 4
-"""Causes whose evidence is drawn, the surest first; our choice: the page is printed on two
-sheets."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -133,7 +130,7 @@ def _evidence(shown: Findings, room: Path) -> list[Section]:
         caption = BEFORE_AFTER.format(whom=whom)
         drawn.append(Picture(room / "errors.png", caption, wide=False))
     drawn += [Picture(path, caption, wide=False) for path, caption in _sensed(shown, room)]
-    for k, one in enumerate(found.named[:MOST]):
+    for k, one in enumerate(found.named):
         figures.draw_rivals(one, room / f"rivals{k}.png")
         caption = RIVALS.format(name=one.term.cause.name)
         caption += "" if len(figures.rival_bars(one)) > 1 else ALONE
@@ -144,13 +141,13 @@ def _evidence(shown: Findings, room: Path) -> list[Section]:
 def _sensed(shown: Findings, room: Path) -> list[tuple[Path, str]]:
     """Pictures of what is wrong in the senses, in their own channels."""
     found = shown.examined.diagnosis
-    sensed = [one for one in found.named if isinstance(one.term.cause, SenseCause)][:MOST]
+    sensed = [one for one in found.named if isinstance(one.term.cause, SenseCause)]
     left = [one for one in found.unexplained if one.channel in COUNTED]
     if not sensed and not left:
         return []
     evidence = SenseEvidence(shown.examined, shown.extended.tables)
     drawn = [picture for one in sensed for picture in evidence.draw(one, room)]
-    for k, one in enumerate([] if sensed else left[:MOST]):
+    for k, one in enumerate([] if sensed else left):
         concerned = found.robots if one.robots == "all" else one.robots
         drawn += evidence.counts(concerned, COUNTED[one.channel], "", room / f"left{k}")
     return drawn
