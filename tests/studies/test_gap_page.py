@@ -22,7 +22,7 @@ LOGS = {True: "single-wheel_radius_mismatch", False: "healthy-search-no-light"}
 def gaps(tmp_path_factory: pytest.TempPathFactory) -> dict[bool, Path]:
     """Of a log with an odd robot, and of one without."""
     room = tmp_path_factory.mktemp("gaps")
-    for odd, name in LOGS.items():
+    for name in LOGS.values():
         rg.measure_gap(ROOT / "tests" / "golden" / "logs" / f"{name}.parquet", out=room / name)
     return {odd: room / name for odd, name in LOGS.items()}
 
