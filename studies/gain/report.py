@@ -58,7 +58,7 @@ def _pictures(content: Mapping[str, Any], room: Path) -> Section:
     if len(content["by_run"]) > 1:
         _draw_runs(content, room / "runs.png")
         drawn.append(Picture(room / "runs.png", BY_RUN))
-    return Section("What naming the cause is worth", content["summary"], figures=drawn)
+    return Section("What naming the cause is worth", content["summary"][1:], figures=drawn)
 
 
 def _numbers(content: Mapping[str, Any]) -> Section:

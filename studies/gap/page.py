@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from realitygap.studies.gap.words import WORDS, size
+from realitygap.studies.gap.words import WORDS, group_text, size
 from realitygap.studies.pages.page import Box, PageTable, Picture, Section, number, write_page
 
 OFF = "The model is off by more than noise."
@@ -84,9 +84,7 @@ def _robots(content: Mapping[str, Any]) -> Section:
         {
             "robot": one["robot"],
             "deviates in": WORDS.get(one["channel"], one["channel"]),
-            "where": "anywhere"
-            if one["condition"] == "all"
-            else f"{WORDS.get(one['condition'], one['condition'])} {one['group']}",
+            "where": _where(one["condition"], one["group"]),
             "chance": number(float(one["p"])),
             "unlike the others": "yes" if one["flagged"] else "no",
         }
@@ -96,6 +94,12 @@ def _robots(content: Mapping[str, Any]) -> Section:
         return Section("Robot by robot")
     text = UNLIKE.format(level=content["level"])
     return Section("Robot by robot", [text], tables=[PageTable.of(pd.DataFrame(rows))])
+
+
+def _where(condition: str, group: str) -> str:
+    if condition == "all":
+        return "anywhere"
+    return f"{WORDS.get(condition, condition)} {group_text(condition, group)}"
 
 
 def _not_judged(content: Mapping[str, Any]) -> Section:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 import re
 from pathlib import Path
@@ -13,7 +12,7 @@ import pytest
 import realitygap as rg
 from realitygap.studies.gap.page import OFF
 from tests.browser import CHROMIUM, WIDTHS, browser
-from tests.helpers import ROOT
+from tests.helpers import ROOT, page_text
 
 LOGS = {True: "single-wheel_radius_mismatch", False: "healthy-search-no-light"}
 
@@ -51,13 +50,20 @@ def test_a_robot_unlike_the_others_is_called_by_its_name(gaps: dict[bool, Path])
         assert f"{robot.capitalize()} is unlike the others" in page
 
 
+@pytest.mark.parametrize("odd", LOGS)
+def test_every_range_in_a_gaps_words_has_its_unit(gaps: dict[bool, Path], odd: bool) -> None:
+    content = json.loads((gaps[odd] / "gap.json").read_text(encoding="utf-8"))
+    told = re.findall(r"[-\d.e]+ to [-\d.e]+(.{0,6})", " ".join(content["summary"]))
+    assert told or not odd
+    assert all(re.match(r" (m|s|m/s|rad/s|rad)\b", after) for after in told), told
+
+
 def test_generations_alone_have_a_page(tmp_path: Path) -> None:
     run = rg.simulate(minutes=2.2, robots=3, samples=False, out=tmp_path / "run")
     assert isinstance(run.generations, pd.DataFrame)
     found = rg.measure_gap(tmp_path / "run", out=tmp_path / "gap")
-    page = (tmp_path / "gap" / "report.html").read_text(encoding="utf-8")
-    text = html.unescape(re.sub(r"</?(abbr|strong)[^>]*>", "", page))
-    assert found.summary[0] in text
+    page = page_text(tmp_path / "gap" / "report.html")
+    assert found.summary[0] in page
     assert "Fitness in simulation and reality" in page
     assert OFF not in page
 
