@@ -66,20 +66,25 @@ class SenseEvidence:
             return [Belief(senses=self.point.senses)] * len(sight.robots)
         return [file.extension.sensed(robot) for robot in sight.robots]
 
-    def draw(self, one: Named, room: Path) -> list[tuple[Path, str]]:
-        """Pictures of the evidence for a cause of the senses, with their captions."""
+    def draw(self, one: Named, stem: Path) -> list[tuple[Path, str]]:
+        """Pictures of the evidence for a cause of the senses, with their captions.
+
+        Args:
+            one: The cause.
+            stem: Beginning of the pictures' names.
+        """
         cause, seen = one.term.cause, self.senses.answers
         assert isinstance(cause, SenseCause)
-        stem = room / cause.name
         if cause.kind == "nest" and seen is not None:
-            return [self._nest(one, seen, stem.with_suffix(".nest.png"))]
+            return [self._nest(one, seen, Path(f"{stem}-nest.png"))]
         sight = self.senses.sight
         if sight is None:
             return []
         if cause.kind == "noise":
-            return [self._scatter(one, sight, stem.with_suffix(".scatter.png"))]
-        kind = "ls" if cause.kind == "ls" else "ps"
-        return self.counts(one.robots, kind, one.term.variant, stem)
+            return [self._scatter(one, sight, Path(f"{stem}-scatter.png"))]
+        kinds = {"ls": ("ls",), "ps": ("ps",)}.get(cause.kind, ("ps", "ls"))
+        drawn = (self.counts(one.robots, kind, one.term.variant, stem) for kind in kinds)
+        return next((pictures for pictures in drawn if pictures), [])
 
     def counts(
         self, concerned: Sequence[int], kind: str, word: str, stem: Path
@@ -97,14 +102,14 @@ class SenseEvidence:
         half = slice(0, SENSORS) if kind == "ps" else slice(SENSORS, 2 * SENSORS)
         read = sight.read[:, half]
         use = sight.free[:, half] & np.isfinite(read)
-        if not use.any():
+        robots = [k for k, robot in enumerate(sight.robots) if robot in concerned]
+        if not robots or not any(use[sight.rows_of(k)].any() for k in robots):
             return []
         told = {n: t[:, half] for n, t in self.told.items()}
         if np.array_equal(told["predicted"], told["corrected"]):
             del told["corrected"]
         error = {n: np.where(use, np.abs(read - t), np.nan) for n, t in told.items()}
         less = np.nan_to_num(error["predicted"] - error.get("corrected", 0.0))
-        robots = [k for k, robot in enumerate(sight.robots) if robot in concerned]
         total = np.array([less[sight.rows_of(k)].sum(axis=0) for k in robots])
         if word.isdigit():
             total[:, np.arange(SENSORS) != int(word)] = -np.inf
@@ -125,9 +130,9 @@ class SenseEvidence:
             axes.plot(since, line, style, color=COLOURS[name], label=name)
         axes.set(xlabel="time (s)", ylabel=f"{words['channel']} {kind}{sensor} (counts)")
         axes.legend(fontsize=8)
-        first = stem.with_suffix(".strip.png")
+        first = Path(f"{stem}-strip.png")
         save(figure, first)
-        second = stem.with_suffix(".sensors.png")
+        second = Path(f"{stem}-sensors.png")
         _bars({n: _mean(e[rows]) for n, e in error.items()}, kind, second)
         seconds = float(np.ptp(since))
         return [

@@ -146,7 +146,8 @@ def _sensed(shown: Findings, room: Path) -> list[tuple[Path, str]]:
     if not sensed and not left:
         return []
     evidence = SenseEvidence(shown.examined, shown.extended.tables)
-    drawn = [picture for one in sensed for picture in evidence.draw(one, room)]
+    each = (evidence.draw(one, room / f"sensed{k}") for k, one in enumerate(sensed))
+    drawn = [picture for pictures in each for picture in pictures]
     for k, one in enumerate([] if sensed else left):
         concerned = found.robots if one.robots == "all" else one.robots
         drawn += evidence.counts(concerned, COUNTED[one.channel], "", room / f"left{k}")

@@ -264,6 +264,23 @@ def test_the_evidence_for_a_cause_in_the_light_is_counts_of_light(pages: dict[st
     assert "light sensor" not in motion
 
 
+def test_two_robots_with_one_cause_have_each_its_own_evidence(tmp_path: Path) -> None:
+    found = rg.diagnose(ROOT / "tests" / "golden" / "logs" / "single-ir_gain.parquet")
+    diagnosis = found.examined.diagnosis
+    one = next(one for one in diagnosis.named if one.term.cause.name == "ir_gain")
+    other = next(robot for robot in diagnosis.robots if robot not in one.robots)
+    both = replace(diagnosis, named=(one, replace(one, robots=(other,))))
+    examined = replace(found.examined, diagnosis=both)
+    replace(found, examined=examined).write(tmp_path / "page")
+    page = (tmp_path / "page" / "report.html").read_text(encoding="utf-8")
+    evidence = page[page.index("<h2>The evidence</h2>") : page.index("<h2>What the extended")]
+    pictures = re.findall(r"base64,([^\"]+)", evidence)
+    assert len(pictures) == 6  # two of readings and one of rivals for each
+    assert len(set(pictures[:4])) == 4
+    for robot in (*one.robots, other):
+        assert f"Robot {robot}, infrared sensor" in evidence
+
+
 def test_tracks_begin_at_the_measured_pose_and_the_corrected_one_stays_nearer() -> None:
     found = diagnosed("named")
     before, after = found.examined.model, found.extended.file
