@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import seaborn as sns
+from matplotlib.ticker import LogLocator, StrMethodFormatter
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
@@ -34,6 +35,8 @@ def draw_errors(table: pd.DataFrame, concerned: set[int], path: Path) -> None:
     sns.lineplot(mine, x="seconds", y="error", **drawn, **options)
     axes.set(xscale="log", yscale="log", xlabel="ahead (s)", ylabel="mean position error (mm)")
     axes.set_xticks(ticks := sorted(table["seconds"].unique()), [f"{t:g}" for t in ticks])
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.minorticks_off()
     axes.legend(title=None, fontsize=8)
     save(figure, path)

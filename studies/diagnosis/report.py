@@ -80,7 +80,7 @@ def write_report(shown: Findings, path: Path) -> None:
             *_evidence(shown, room),
             tables.gain_section(examined),
             tables.robots_section(examined),
-            tables.not_checked_section(examined),
+            tables.not_checked_section(examined, shown.log.frame.columns),
             tables.found_section(examined),
             tables.can_tell_section(examined),
             tables.would_have_shown_section(examined),

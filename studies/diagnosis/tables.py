@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 import pandas as pd
 
-from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.catalogue import every_cause
 from realitygap.models.log.used import REASONS
 from realitygap.models.naming.channels.motion.examination import Examination
 from realitygap.models.naming.channels.senses.joined import WholeExamination
@@ -146,8 +148,8 @@ def _of_robot(robot: int, examined: Examination) -> str:
     return "cannot tell" if robot in found.untold else "nothing wrong"
 
 
-def not_checked_section(examined: WholeExamination) -> Section:
-    """What this log cannot say."""
+def not_checked_section(examined: WholeExamination, columns: Collection[str]) -> Section:
+    """What this log cannot say; `columns` are those it has."""
     found = examined.diagnosis
     health = (
         f"Health was taken from a reference of {examined.reference.robots} healthy robots in "
@@ -155,11 +157,18 @@ def not_checked_section(examined: WholeExamination) -> Section:
         if found.reference
         else "There was no healthy reference."
     )
-    names = {name for name, cause in causes().items() if cause.identifiable}
+    names = {one.cause for one in found.detectable}
+    names |= {one.term.cause.name for one in found.named}
     if examined.senses.found is not None:
         state = examined.senses.found.state
         names |= {one.term.cause.name for one in state.items if one.term is not None}
-    tried = ", ".join(sorted(names))
+    tried = ", ".join(sorted(name for name in names if _logged(name, columns)))
     return Section(
         "What was not checked, and why", [f"{health} Tried: {tried}."], points=found.not_checked
     )
+
+
+def _logged(name: str, columns: Collection[str]) -> bool:
+    """Whether a log has anything in which a cause shows."""
+    needed = set(every_cause()[name].columns) - {"case"}
+    return not needed or not needed.isdisjoint(columns)

@@ -29,7 +29,7 @@ from realitygap.studies.diagnosis.plain import plain_sentence
 from realitygap.studies.diagnosis.tracks import worst_tracks
 from realitygap.studies.pages.glossary import Words, meanings
 from tests.browser import CHROMIUM, WIDTHS, browser
-from tests.helpers import ROOT
+from tests.helpers import ROOT, page_text
 
 LOGS = {
     "named": "single-wheel_radius_mismatch",
@@ -252,6 +252,27 @@ def test_no_robot_is_sound_of_which_something_is_said(pages: dict[str, Path], ve
         assert (said == "nothing wrong") == (int(robot) not in wrong)
     assert ("Nothing wrong" in page) == (verdict == "nothing_wrong")
     assert bool(wrong) == (verdict != "nothing_wrong")
+
+
+@pytest.mark.parametrize("verdict", LOGS)
+def test_no_cause_is_both_tried_and_not_checked(pages: dict[str, Path], verdict: str) -> None:
+    page = page_text(pages[verdict])
+    tried = set(re.findall(r"Tried: ([^.]*)\.", page)[0].split(", "))
+    assert "wheel_radius_mismatch" in tried
+    absent = re.findall(r"<li>no (?:ps0\.\.ps7|ls0\.\.ls7|nest|sensors): ([a-z_, ]+)</li>", page)
+    unchecked = {name for listed in absent for name in listed.split(", ")}
+    assert unchecked
+    assert not tried & unchecked
+    assert tried | unchecked <= set(every_cause())
+    assert ("second_lamp" in tried) == (verdict == "ambiguous")
+
+
+def test_a_cause_that_was_withheld_was_not_tried(tmp_path: Path) -> None:
+    log = ROOT / "tests" / "golden" / "logs" / f"{LOGS['nothing_wrong']}.parquet"
+    rg.diagnose(log, without=("motor_lag",), out=tmp_path / "page")
+    (tried,) = re.findall(r"Tried: ([^.]*)\.", page_text(tmp_path / "page" / "report.html"))
+    assert "motor_saturation" in tried
+    assert "motor_lag" not in tried
 
 
 def test_the_evidence_for_a_cause_in_the_light_is_counts_of_light(pages: dict[str, Path]) -> None:
