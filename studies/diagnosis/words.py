@@ -43,13 +43,20 @@ def verdict_sentence(found: Diagnosis) -> str:
     unknown = [] if found.reference else [NO_REFERENCE]
     if found.verdict == "cannot_tell":
         return " ".join([f"{VERDICTS['cannot_tell']}: {untold_sentence(found)}", *unknown])
-    said = "; ".join(cause_sentence(one, found.names) for one in found.named)
-    begin = VERDICTS[found.verdict]
-    if found.verdict == "unexplained" and not found.unexplained:
-        begin = SEEN
-    text = begin + (f": {said}." if said else ".")
+    begin, said = VERDICTS[found.verdict], found.named
+    beside: list[str] = []
+    if found.verdict == "unexplained":
+        begin = begin if found.unexplained else SEEN
+        said = tuple(one for one in found.named if not one.exported)
+        sure = tuple(one for one in found.named if one.exported)
+        beside = [f"Beside it is named: {_causes(sure, found.names)}."] if sure else []
+    text = begin + (f": {_causes(said, found.names)}." if said else ".")
     left = [leftover_sentence(one, found.names) for one in found.unexplained]
-    return " ".join([text, *left, *unknown])
+    return " ".join([text, *left, *beside, *unknown])
+
+
+def _causes(named: Sequence[Named], names: Names) -> str:
+    return "; ".join(cause_sentence(one, names) for one in named)
 
 
 def untold_sentence(found: Diagnosis) -> str:
