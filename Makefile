@@ -19,7 +19,7 @@ CORE_H := $(wildcard embedded_sim/core/*.h)
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help demo test slow lint mutants bench asan fuzz fuzz-core blind kills clean
+.PHONY: help demo test slow lint site mutants bench asan fuzz fuzz-core blind kills clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -39,6 +39,9 @@ lint: $(STAMP) ## style, types, import rules, C formatting
 	$(BIN)/mypy -p realitygap
 	$(BIN)/lint-imports
 	$(BIN)/clang-format --dry-run --Werror $(C_FILES)
+
+site: $(STAMP) ## the documents as a site in build/site
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict --site-dir build/site
 
 mutants: $(STAMP) ## whether the tests notice the faults listed in tests/mutants.toml; by hand only
 	$(BIN)/python -m tests.mutants $(ONLY)

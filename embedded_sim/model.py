@@ -116,6 +116,10 @@ class PointModel:
         rows = np.hstack([circle, circle, circle, circle[:, :1]])
         return tables, np.append(rows, np.zeros(lib.RG_AHEAD, rows.dtype))
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what C has of it: that is made anew where it is asked for."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
+
     def _check_numbers(self) -> None:
         """Refuse what C cannot be given, or what the tables cannot be worked out from."""
         self.senses.check()

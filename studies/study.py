@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
 from realitygap.reality.engine import DEFAULT, engine_name
 from realitygap.reality.rays import DEFAULT_RAYS, rays_name
-from realitygap.studies.pages.notebook import Telling
+from realitygap.studies.pages.notebook import Telling, new_axes
 from realitygap.studies.paper import study as whole
 from realitygap.studies.paper.conditions import study_config
 from realitygap.studies.plumbing.execution import Workers
@@ -19,6 +19,12 @@ from realitygap.studies.run.settings import run_config
 from realitygap.studies.transfer import study as transferred
 from realitygap.studies.transfer.alterations import chosen
 from realitygap.studies.transfer.plan import transfer_config
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+PER_MINUTE = "items per minute"
+"""Unit of food in a study of transfer."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -35,6 +41,39 @@ class StudyResult(Telling):
         """Every table of the study by the name of its file, such as `claims`."""
         tables = {p.stem: pd.read_parquet(p) for p in sorted(self.path.glob("*.parquet"))}
         return tables | {p.stem: pd.read_csv(p) for p in sorted(self.path.glob("*.csv"))}
+
+    @property
+    def food(self) -> pd.DataFrame:
+        """Food of every run: `what` was run, `food`, and its `unit`."""
+        tables = self.tables
+        if "runs" in tables:
+            runs = tables["runs"]
+            what, food, unit = runs["alteration"] + ", " + runs["model"], runs["food"], PER_MINUTE
+        else:
+            runs = tables["study"]
+            what, food, unit = runs["condition"], runs["food_total"], "items in a run"
+            other = runs["variant"] != "default"
+            what = what.where(~other, what + ", " + runs["variant"])
+        return pd.DataFrame({"what": what, "food": food, "unit": unit})
+
+    def table_told(self) -> pd.DataFrame:
+        """As `Telling`: food by what was run."""
+        by_what = self.food.groupby(["what", "unit"], sort=False)["food"]
+        return by_what.agg(["count", "mean", "min", "max"]).reset_index()
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the food of every run, and its means.
+
+        Args:
+            axes: To draw into; new ones if absent.
+        """
+        axes, food = new_axes(axes), self.food
+        means = food.groupby("what", sort=False)["food"].mean()
+        axes.barh(list(means.index), means, color="#b9c4cf")
+        axes.plot(food["food"], food["what"], ".", color="#1f77b4")
+        axes.set(xlabel=f"food ({food['unit'].iloc[0]})")
+        axes.invert_yaxis()
+        return axes
 
     def told(self) -> tuple[str, str, str]:
         """As `Telling`."""

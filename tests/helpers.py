@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import html
 import os
+import re
 import select
 import subprocess
 import sys
@@ -20,6 +22,12 @@ ENVIRONMENT = {
     # how linear algebra is set belongs to the machine: other kernels give other last digits
     **{name: value for name, value in os.environ.items() if name.startswith("OPENBLAS_")},
 }
+
+
+def page_text(page: Path) -> str:
+    """What a page says, without what explains its words."""
+    return html.unescape(re.sub(r"</?abbr[^>]*>", "", page.read_text(encoding="utf-8")))
+
 
 LONG = 300.0
 """s that something may take on a machine that is very busy; nothing waits so long for success."""

@@ -93,6 +93,11 @@ class Cause:
     meaning: str
     """What is the matter with the robot, in words for the person who must repair it."""
     parameters: tuple[Parameter, ...]
+    plain: str = ""
+    """The same in a plain sentence with its numbers, and what to do about it. In braces: `Whose`
+    robots (`whose` within the sentence), `which` wheel or sensor, and a parameter: its value, or
+    after a colon a share (`%`), or by how much it departs from its null and words for the two sides
+    (`larger/smaller`). Every cause of the catalogue has one."""
     change: Change
     """(motion, values (parameters [+ given],), variant) -> motion with the cause. At the null: the
     same."""

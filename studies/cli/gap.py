@@ -26,12 +26,13 @@ def gap(
 ) -> Outcome:
     """Show what the simulation gets wrong: replay a measured log through the point model.
 
-    Writes gap.json, tidy tables and figures. A directory with generations.parquet (a run's or a
-    study's) adds the gap between simulated and real fitness; without samples, that is all.
+    Writes gap.json, tidy tables, figures and report.html. A directory with generations.parquet
+    (a run's or a study's) adds the gap between simulated and real fitness; without samples, that is
+    all.
     """
     from realitygap.studies.plumbing.progress import Stages
 
     with Stages("gap", quiet) as shown:
         found = rg.measure_gap(log, model=model, seed=seed, out=out, force=force, begin=shown.begin)
     line, *notes = found.summary
-    return Outcome(found.content, line, out / "gap.json", notes)
+    return Outcome(found.content, line, out / "report.html", notes)

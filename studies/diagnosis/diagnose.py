@@ -143,6 +143,7 @@ def _result(request: Request, log: Log, examined: WholeExamination) -> Diagnosis
         command=request.command,
         next_commands=following,
         examined=examined,
+        log=log,
     )
 
 

@@ -7,51 +7,72 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import seaborn as sns
-from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, StrMethodFormatter
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
+from realitygap.models.belief.senses import SenseCause
 from realitygap.models.naming.channels.motion.examination import KINDS, Examination
 from realitygap.models.naming.channels.motion.fit import Problem
 from realitygap.models.naming.findings import Named
+from realitygap.studies.pages.drawing import HALF, canvas, save
 
 PROFILE_POINTS = 21
-DPI = 100
+MOST_RIVALS = 8
+"""Bars of a chart; our choice."""
+OWN, OTHER = "#1f77b4", "#b9c4cf"
+"""Colours of the named cause's bar and of its rivals'."""
 
 
 def draw_errors(table: pd.DataFrame, concerned: set[int], path: Path) -> None:
-    """Error by how far ahead, of the robots concerned, and per robot after the longest time."""
-    figure = _figure(10, 3.6)
-    by_time, by_robot = figure.subplots(1, 2, width_ratios=(1, 1.5))
+    """Error by how far ahead, of the robots concerned; of all where nothing concerns any."""
+    figure = canvas(HALF, 3.4)
+    axes = figure.subplots()
     table = table.assign(error=1e3 * table["error"])
     mine = table[table["robot"].isin(concerned)] if concerned else table
     options = {"hue": "kind", "hue_order": [k for k in KINDS if (table["kind"] == k).any()]}
-    sns.lineplot(mine, x="seconds", y="error", style="kind", markers=True, ax=by_time, **options)
-    by_time.set(xscale="log", yscale="log", xlabel="s ahead", ylabel="mean position error (mm)")
-    by_time.set_xticks(ticks := sorted(table["seconds"].unique()), [f"{t:g}" for t in ticks])
-    by_time.legend(title=None, fontsize=8)
-    last = table[table["seconds"] == table["seconds"].max()]
-    sns.barplot(last, x="robot", y="error", ax=by_robot, legend=False, **options)
-    by_robot.set(xlabel="robot", ylabel=f"mm, {last['seconds'].max():g} s ahead")
-    _save(figure, path)
+    drawn = {"style": "kind", "markers": True, "errorbar": None, "ax": axes}
+    sns.lineplot(mine, x="seconds", y="error", **drawn, **options)
+    axes.set(xscale="log", yscale="log", xlabel="ahead (s)", ylabel="mean position error (mm)")
+    axes.set_xticks(ticks := sorted(table["seconds"].unique()), [f"{t:g}" for t in ticks])
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.minorticks_off()
+    axes.legend(title=None, fontsize=8)
+    save(figure, path)
 
 
-def draw_rivals(named: tuple[Named, ...], path: Path) -> None:
-    """What every term took off the held-out error at each named cause's turn."""
-    figure = _figure(10, 0.6 + 2.6 * len(named))
-    for axis, one in zip(np.atleast_1d(figure.subplots(len(named), 1)), named, strict=True):
-        gains = [(name, max(gain, 0.0)) for name, gain in one.evidence.gains][:8]
-        names, values = [n for n, _ in gains], [v for _, v in gains]
-        sns.barplot(x=values, y=names, ax=axis, color="#4878a8")
-        axis.set(xlabel="deviance taken off held-out blocks", ylabel="")
-        axis.set_title(f"{one.term.cause.name}: against its rivals", fontsize=10)
-    _save(figure, path)
+def rival_bars(one: Named) -> dict[str, float]:
+    """By term, the deviance that it takes off in the named one's place: that one first.
+
+    Terms that act exactly alike on what the log holds take off as much.
+    """
+    own = one.term.key
+    tried = dict(one.evidence.gains)
+    alike = {twin.key: one.evidence.gain for twin in one.twins}
+    others = {name: gain for name, gain in {**tried, **alike}.items() if name != own}
+    ranked = sorted(others.items(), key=lambda pair: -pair[1])[: MOST_RIVALS - 1]
+    return {own: tried.get(own, one.evidence.gain), **dict(ranked)}
+
+
+def draw_rivals(one: Named, path: Path) -> None:
+    """What a named cause takes off the errors, and what others take off in its place."""
+    bars = rival_bars(one)
+    figure = canvas(HALF, 1.0 + 0.3 * len(bars))
+    axes = figure.subplots()
+    names = [name.replace("_", " ") for name in bars]
+    colours = [OWN] + [OTHER] * (len(bars) - 1)
+    axes.barh(names, [max(gain, 0.0) for gain in bars.values()], color=colours)
+    axes.invert_yaxis()
+    axes.grid(visible=False, axis="y")
+    axes.set(xlabel="deviance taken off the errors (no unit)")
+    save(figure, path)
 
 
 def draw_profiles(examined: Examination, path: Path) -> None:
-    """Deviance against each named parameter, the robot's other terms as found."""
-    shown = [one for one in examined.diagnosis.named if one.term.cause.smooth][:3]
-    figure = _figure(10, 3.0)
+    """Deviance against the first parameter of each cause in motion, all else as found."""
+    shown = profiled(examined)
+    figure = canvas(10, 3.0)
     for axis, one in zip(np.atleast_1d(figure.subplots(1, len(shown))), shown, strict=True):
         value = one.values[0]
         reach = max(value.high - value.value, value.value - value.low, 1e-12)
@@ -63,7 +84,13 @@ def draw_profiles(examined: Examination, path: Path) -> None:
         axis.axvspan(value.low, value.high, alpha=0.2, color="#4878a8")
         axis.axvline(value.value, color="#222222", linewidth=1)
         axis.set(xlabel=f"{one.term.cause.name}: {value.name} ({value.unit})", ylabel="deviance")
-    _save(figure, path)
+    save(figure, path)
+
+
+def profiled(examined: Examination) -> list[Named]:
+    """Those that have a profile: smooth causes that move a robot."""
+    moving = [o for o in examined.diagnosis.named if not isinstance(o.term.cause, SenseCause)]
+    return [one for one in moving if one.term.cause.smooth][:3]
 
 
 def draw_left(examined: Examination, path: Path) -> None:
@@ -76,12 +103,12 @@ def draw_left(examined: Examination, path: Path) -> None:
         ]
     table = pd.DataFrame(rows, columns=["quantity", "robot", "z"])
     grid = table.pivot_table(index="quantity", columns="robot", values="z", aggfunc="max")
-    figure = _figure(10, 5.0)
+    figure = canvas(10, 5.0)
     axis = figure.subplots()
     sns.heatmap(grid, vmin=0.0, vmax=10.0, cmap="rocket_r", ax=axis, linewidths=0.5)
     axis.set(ylabel="", xlabel="robot")
     axis.set_title("standard deviations from health of what follows each quantity", fontsize=10)
-    _save(figure, path)
+    save(figure, path)
 
 
 def _profile(examined: Examination, one: Named, tried: FloatArray) -> FloatArray:
@@ -112,12 +139,3 @@ def _as_named(
                 values[0] = value
             motion = one.term.cause.change(motion, values, one.term.variant)
     return motion
-
-
-def _figure(width: float, height: float) -> Figure:
-    sns.set_theme(style="whitegrid", font_scale=0.85)
-    return Figure(figsize=(width, height), layout="constrained")
-
-
-def _save(figure: Figure, path: Path) -> None:
-    figure.savefig(path, dpi=DPI, metadata={"Software": ""})

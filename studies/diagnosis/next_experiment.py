@@ -8,7 +8,6 @@ from typing import Any
 
 import pandas as pd
 import seaborn as sns
-from matplotlib.figure import Figure
 
 from realitygap.embedded_sim.probes import PREFIX
 from realitygap.models.belief.modelfile import ModelFile
@@ -16,7 +15,8 @@ from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.naming.proposal.ground import ground
 from realitygap.models.naming.proposal.menu import SECONDS, Proposal
 from realitygap.studies.diagnosis.request import Request
-from realitygap.studies.pages.page import PageTable, Picture, Section
+from realitygap.studies.pages.drawing import HALF, canvas, save
+from realitygap.studies.pages.page import Picture, Section
 from realitygap.studies.plumbing.typed import typed
 
 MENU = (
@@ -96,27 +96,17 @@ def next_section(
             "realitygap experiment writes it as commands for these robots. Log it with the same "
             "kind of commands, and diagnose both together:"
         )
-    texts += list(following)
     _draw(proposal, room / "menu.png", least)
-    table = pd.DataFrame(
-        [{"manoeuvre": o.name, "separation (s.d.)": o.separation} for o in proposal.options]
-    )
-    return [
-        Section(
-            "What to do next",
-            texts,
-            figures=[Picture(room / "menu.png", MENU)],
-            tables=[PageTable.of(table)],
-        )
-    ]
+    menu = Picture(room / "menu.png", MENU, wide=False)
+    return [Section("What to do next", texts, commands=following, figures=[menu])]
 
 
 def _draw(proposal: Proposal, path: Path, least: float) -> None:
-    figure = Figure(figsize=(10, 3.2), layout="constrained")
+    figure = canvas(HALF, 3.4)
     axis = figure.subplots()
     names = [option.name for option in proposal.options]
     values = [max(option.separation, 1e-2) for option in proposal.options]
     sns.barplot(x=values, y=names, ax=axis, color="#4878a8")
     axis.axvline(least, color="#222222", linewidth=1)
     axis.set(xscale="log", xlabel="separation (standard deviations)", ylabel="")
-    figure.savefig(path, dpi=100)
+    save(figure, path)

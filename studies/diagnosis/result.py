@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
@@ -13,10 +13,14 @@ from realitygap.models.log.preflight.entry import PreflightEntry
 from realitygap.models.naming.channels.senses.joined import WholeExamination
 from realitygap.models.naming.diagnosis import Verdict
 from realitygap.studies.diagnosis.words import verdict_sentence
+from realitygap.studies.inputs.logs import Log
 from realitygap.studies.inputs.model import Model
-from realitygap.studies.pages.notebook import Telling, rows_table
+from realitygap.studies.pages.notebook import Telling, new_axes, rows_table
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.provenance import write_json
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 FILE = "diagnosis.json"
 
@@ -35,6 +39,8 @@ class DiagnosisResult(Telling):
     """What to type to tell rivals apart; empty: nothing is proposed."""
     examined: WholeExamination = field(repr=False)
     """What the diagnosis was drawn from."""
+    log: Log = field(repr=False)
+    """The log that was diagnosed."""
 
     @property
     def verdict(self) -> Verdict:
@@ -122,16 +128,44 @@ class DiagnosisResult(Telling):
 
     def keep(self, folder: Path) -> None:
         """Write the same files into a directory that is there."""
-        from realitygap.studies.diagnosis.report import write_report
+        from realitygap.studies.diagnosis.report import Findings, write_report
 
         write_json(folder / FILE, dict(self.content))
         self.extended.keep(folder)
-        write_report(
-            self.examined,
-            folder / "report.html",
+        shown = Findings(
+            examined=self.examined,
+            log=self.log.measured,
+            extended=self.extended,
             command=self.command,
             following=self.next_commands,
         )
+        write_report(shown, folder / "report.html")
+
+    def table_told(self) -> pd.DataFrame:
+        """As `Telling`: the causes."""
+        columns = ["cause", "word", "robots", "parameter", "value", "low", "high", "unit"]
+        return self.causes[[*columns, "exported"]]
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw where a robot was seen, where the model and the extended one said it would be.
+
+        It is the stretch in which the model was furthest off, of the robots concerned.
+
+        Args:
+            axes: To draw into; new ones if absent.
+        """
+        from realitygap.studies.diagnosis.report import moved
+        from realitygap.studies.diagnosis.tracks import draw_tracks, worst_tracks
+
+        found = self.examined.diagnosis
+        log, before = self.log.measured, self.examined.model
+        seen = worst_tracks(log, before, self.extended.file, moved(found))
+        if seen is None:  # no second of it is whole
+            return self.log.plot(axes)
+        axes = new_axes(axes)
+        draw_tracks(seen, axes, enlarged=True)
+        axes.set_title(f"robot {found.names[seen.robot]}, {seen.seconds:g} s")
+        return axes
 
     def told(self) -> tuple[str, str, str]:
         """As `Telling`."""

@@ -7,12 +7,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import seaborn as sns
-from matplotlib.figure import Figure
 
 from realitygap.models.naming.channels.senses.diagnose import SenseExamination
 from realitygap.models.naming.channels.senses.readings import CHANGES, KINDS
-
-DPI = 100
+from realitygap.studies.pages.drawing import canvas, save
 
 
 def far_from_health(senses: SenseExamination) -> pd.DataFrame:
@@ -30,11 +28,10 @@ def far_from_health(senses: SenseExamination) -> pd.DataFrame:
 def draw_left(table: pd.DataFrame, path: Path) -> None:
     """The largest distance from health of the terms of each quantity, per robot and channel."""
     shown = [channel for channel in KINDS if (table["channel"] == channel).any()]
-    sns.set_theme(style="whitegrid", font_scale=0.85)
-    figure = Figure(figsize=(10, 5.0), layout="constrained")
+    figure = canvas(10, 5.0)
     for axis, channel in zip(np.atleast_1d(figure.subplots(1, len(shown))), shown, strict=True):
         mine = table[table["channel"] == channel]
         grid = mine.pivot_table(index="quantity", columns="robot", values="z", aggfunc="max")
         sns.heatmap(grid, vmin=0.0, vmax=10.0, cmap="rocket_r", ax=axis, linewidths=0.5)
         axis.set(ylabel="", xlabel="robot", title=channel)
-    figure.savefig(path, dpi=DPI, metadata={"Software": ""})
+    save(figure, path)

@@ -18,6 +18,7 @@ from realitygap.models.naming.diagnosis import (
 from realitygap.models.naming.engine.value import Value
 from realitygap.models.naming.findings import Named
 from realitygap.models.naming.rules import Rules
+from realitygap.studies.pages.page import number
 
 VERDICTS = {
     "nothing_wrong": "Nothing wrong: no robot differs from health by more than healthy robots do.",
@@ -42,13 +43,20 @@ def verdict_sentence(found: Diagnosis) -> str:
     unknown = [] if found.reference else [NO_REFERENCE]
     if found.verdict == "cannot_tell":
         return " ".join([f"{VERDICTS['cannot_tell']}: {untold_sentence(found)}", *unknown])
-    said = "; ".join(cause_sentence(one, found.names) for one in found.named)
-    begin = VERDICTS[found.verdict]
-    if found.verdict == "unexplained" and not found.unexplained:
-        begin = SEEN
-    text = begin + (f": {said}." if said else ".")
+    begin, said = VERDICTS[found.verdict], found.named
+    beside: list[str] = []
+    if found.verdict == "unexplained":
+        begin = begin if found.unexplained else SEEN
+        said = tuple(one for one in found.named if not one.exported)
+        sure = tuple(one for one in found.named if one.exported)
+        beside = [f"Beside it is named: {_causes(sure, found.names)}."] if sure else []
+    text = begin + (f": {_causes(said, found.names)}." if said else ".")
     left = [leftover_sentence(one, found.names) for one in found.unexplained]
-    return " ".join([text, *left, *unknown])
+    return " ".join([text, *left, *beside, *unknown])
+
+
+def _causes(named: Sequence[Named], names: Names) -> str:
+    return "; ".join(cause_sentence(one, names) for one in named)
 
 
 def untold_sentence(found: Diagnosis) -> str:
@@ -152,11 +160,12 @@ def gain_row(name: str, gain: Gain) -> dict[str, str | None]:
     what, _, when = name.partition("_")
     ahead = f" {when.removesuffix('s')} s ahead" if when != "reading" else " readings"
     scale, unit = (1.0, gain.unit) if gain.unit == "counts" else (1e3, f"m{gain.unit}")
-    healthy = None if gain.healthy is None else f"{scale * gain.healthy:.3g}"
+    before, after, low, high = (
+        number(scale * value) for value in (gain.before, gain.after, gain.low, gain.high)
+    )
     return {
         "mean error of": f"{what}{ahead} ({unit})",
-        "before": f"{scale * gain.before:.3g}",
-        "extended model (95 %)": f"{scale * gain.after:.3g} "
-        f"({scale * gain.low:.3g} to {scale * gain.high:.3g})",
-        "of a healthy robot": healthy,
+        "before": before,
+        "extended model (95 %)": f"{after} ({low} to {high})",
+        "of a healthy robot": None if gain.healthy is None else number(scale * gain.healthy),
     }

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import seaborn as sns
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from realitygap.models.gap.replay import HORIZONS
@@ -57,7 +58,7 @@ def _pictures(content: Mapping[str, Any], room: Path) -> Section:
     if len(content["by_run"]) > 1:
         _draw_runs(content, room / "runs.png")
         drawn.append(Picture(room / "runs.png", BY_RUN))
-    return Section("What naming the cause is worth", content["summary"], figures=drawn)
+    return Section("What naming the cause is worth", content["summary"][1:], figures=drawn)
 
 
 def _numbers(content: Mapping[str, Any]) -> Section:
@@ -124,22 +125,26 @@ def _named(content: Mapping[str, Any]) -> Section:
 def _draw_horizons(errors: list[dict[str, Any]], path: Path) -> None:
     figure = _figure(10, 3.8)
     for axis, channel in zip(figure.subplots(1, 2), ("position", "heading"), strict=True):
-        mine = [one for one in errors if one["kind"] == "motion" and one["channel"] == channel]
-        mine.sort(key=lambda one: list(HORIZONS).index(one["horizon"]))
-        factor, unit = SHOWN[mine[0]["unit"]]
-        for k, name in enumerate(name for name in COLOURS if any(one[name] for one in mine)):
-            known = [one for one in mine if one[name]]
-            x = np.array([list(HORIZONS).index(one["horizon"]) for one in known]) + 0.06 * k
-            value, low, high = (
-                factor * np.array([one[name][key] for one in known])
-                for key in ("value", "low", "high")
-            )
-            style = {"color": COLOURS[name], "label": LABELS[name]}
-            axis.errorbar(x, value, [value - low, high - value], marker="o", capsize=2, **style)
-        axis.set(yscale="log", ylabel=f"{channel} error ({unit})", xlabel="ahead")
-        axis.set_xticks(range(len(HORIZONS)), list(HORIZONS))
+        draw_channel(errors, channel, axis)
     axis.legend(fontsize=8)
     figure.savefig(path, dpi=DPI, metadata={"Software": ""})
+
+
+def draw_channel(errors: Sequence[Mapping[str, Any]], channel: str, axis: Axes) -> None:
+    """Errors of position or heading of every model, by how far ahead."""
+    mine = [one for one in errors if one["kind"] == "motion" and one["channel"] == channel]
+    mine.sort(key=lambda one: list(HORIZONS).index(one["horizon"]))
+    factor, unit = SHOWN[mine[0]["unit"]]
+    for k, name in enumerate(name for name in COLOURS if any(one[name] for one in mine)):
+        known = [one for one in mine if one[name]]
+        x = np.array([list(HORIZONS).index(one["horizon"]) for one in known]) + 0.06 * k
+        value, low, high = (
+            factor * np.array([one[name][key] for one in known]) for key in ("value", "low", "high")
+        )
+        reach, colour = [value - low, high - value], COLOURS[name]
+        axis.errorbar(x, value, reach, marker="o", capsize=2, color=colour, label=LABELS[name])
+    axis.set(yscale="log", ylabel=f"{channel} error ({unit})", xlabel="ahead")
+    axis.set_xticks(range(len(HORIZONS)), list(HORIZONS))
 
 
 def _draw_senses(errors: list[dict[str, Any]], path: Path) -> None:

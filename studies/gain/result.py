@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
 from realitygap.models.log.measured import write_table
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
-from realitygap.studies.pages.notebook import Telling
+from realitygap.studies.pages.notebook import Telling, new_axes
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.provenance import write_json
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 FILE = "gain.json"
 ESTIMATES = (BEFORE, HEALTHY, EXTENDED, ORACLE, "reducible", "remains", "over_healthy", "closed")
@@ -79,6 +82,25 @@ class GainResult(Telling):
         write_json(folder / FILE, dict(self.content))
         write_table(self.table, folder / "errors.parquet", {})
         write_report(self.content, folder / "report.html")
+
+    def table_told(self) -> pd.DataFrame:
+        """As `Telling`: the errors of every model."""
+        models = [name for name in (BEFORE, HEALTHY, EXTENDED, ORACLE) if name in self.errors]
+        return self.errors[["channel", "horizon", "unit", *models]].dropna(axis=1, how="all")
+
+    def plot(self, axes: Axes | None = None, *, channel: str = "position") -> Axes:
+        """Draw the error of every model against how far ahead is predicted.
+
+        Args:
+            axes: To draw into; new ones if absent.
+            channel: position or heading.
+        """
+        from realitygap.studies.gain.report import draw_channel
+
+        axes = new_axes(axes)
+        draw_channel(self.content["errors"], channel, axes)
+        axes.legend()
+        return axes
 
     def told(self) -> tuple[str, str, str]:
         """As `Telling`."""

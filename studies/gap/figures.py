@@ -13,11 +13,12 @@ from matplotlib.figure import Figure
 from realitygap.models.gap.flips import Means
 from realitygap.models.gap.horizons import COLUMNS
 from realitygap.models.gap.motion_gap import UNITS, MotionGap
+from realitygap.models.gap.sensor_gap import SensorGap
 from realitygap.models.gap.whole import LEVEL, Gap
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.studies.fitness_gap.by_third import CoevolutionGap
+from realitygap.studies.pages.drawing import save, themed
 
-DPI = 110
 MAPPED = "1 s"
 """Horizon whose maps are drawn; `maps.parquet` has every horizon."""
 CELLS = 12
@@ -35,62 +36,53 @@ def draw_figures(
     log: MeasuredLog, gap: Gap, out: Path, coevolution: CoevolutionGap | None = None
 ) -> None:
     """Write the figures into a directory: horizons, shares, maps, arena, sensors, coevolution."""
-    with sns.axes_style("whitegrid"):
-        _save(_horizons(gap), out / "horizons.png")
-        _save(_shares(gap), out / "shares.png")
+    with themed():
+        save(_horizons(gap), out / "horizons.png")
+        save(_shares(gap), out / "shares.png")
         drawn = next((g for g in gap.motion if g.horizon == MAPPED), None)
         drawn = drawn or (gap.motion[-1] if gap.motion else None)
         if drawn is not None:
-            _save(_maps(drawn), out / "maps.png")
+            save(_maps(drawn), out / "maps.png")
             if drawn.table[["x", "y"]].notna().all(axis=1).any():  # else nobody knows where it was
-                _save(_arena(log, drawn), out / "arena.png")
-        if gap.sensors:
-            _save(_sensors(gap), out / "sensors.png")
+                save(_arena(log, drawn), out / "arena.png")
+        if (sensors := _sensors(gap)) is not None:
+            save(sensors, out / "sensors.png")
         if coevolution is not None:
             draw_coevolution(coevolution, out)
 
 
 def draw_coevolution(found: CoevolutionGap, out: Path) -> None:
     """Write the figure of the gap in fitness into a directory."""
-    with sns.axes_style("whitegrid"):
-        _save(_coevolution(found), out / "coevolution.png")
-
-
-def _save(figure: Figure, path: Path) -> None:
-    """A PNG whose bytes depend on the picture alone."""
-    figure.savefig(path, dpi=DPI, metadata={"Software": None})
+    with themed():
+        save(_coevolution(found), out / "coevolution.png")
 
 
 def _horizons(gap: Gap) -> Figure:
     """Median error against horizon, a line per robot and run, with what noise alone would give."""
     figure = Figure(figsize=(10, 4.2), layout="constrained")
-    for axis, (channel, unit) in zip(figure.subplots(1, 2), COLUMNS.items(), strict=True):
-        table = gap.horizons.assign(
-            who=gap.horizons["run"].astype(str) + gap.horizons["robot"].astype(str)
-        )
-        sns.lineplot(
-            table,
-            x="seconds",
-            y=f"{channel}_median",
-            units="who",
-            estimator=None,
-            ax=axis,
-            color="C0",
-            alpha=0.3,
-            lw=0.8,
-        )
-        middle = table.groupby("horizon", sort=False).median(numeric_only=True)
-        axis.plot(middle["seconds"], middle[f"{channel}_median"], "o-", color="C0", label="median")
-        axis.plot(middle["seconds"], middle[f"{channel}_p95"], "^:", color="C0", label="95 %")
-        axis.plot(
-            middle["seconds"], middle[f"{channel}_noise"], "s--", color="0.4", label="noise alone"
-        )
-        axis.set(
-            xscale="log", yscale="log", xlabel="horizon (s)", ylabel=f"{channel} error ({unit})"
-        )
-        axis.legend()
+    for axis, channel in zip(figure.subplots(1, 2), COLUMNS, strict=True):
+        draw_horizon(gap.horizons, channel, axis)
     figure.suptitle("How far the point model is off")
     return figure
+
+
+def draw_horizon(horizons: pd.DataFrame, channel: str, axis: Axes) -> None:
+    """The error of position or heading against horizon."""
+    who = horizons["run"].astype(str) + horizons["robot"].astype(str)
+    single = {"color": "C0", "alpha": 0.3, "lw": 0.8, "units": "who", "estimator": None}
+    table = horizons.assign(who=who)
+    sns.lineplot(table, x="seconds", y=f"{channel}_median", ax=axis, **single)
+    middle = table.groupby("horizon", sort=False).median(numeric_only=True)
+    for part, style, colour, label in (
+        ("median", "o-", "C0", "median"),
+        ("p95", "^:", "C0", "95 %"),
+        ("noise", "s--", "0.4", "noise alone"),
+    ):
+        values = middle[f"{channel}_{part}"]
+        axis.plot(middle["seconds"], values, style, color=colour, label=label)
+    unit = COLUMNS[channel]
+    axis.set(xscale="log", yscale="log", xlabel="horizon (s)", ylabel=f"{channel} error ({unit})")
+    axis.legend()
 
 
 def _shares(gap: Gap) -> Figure:
@@ -182,33 +174,39 @@ def _arena(log: MeasuredLog, gap: MotionGap) -> Figure:
     return figure
 
 
-def _sensors(gap: Gap) -> Figure:
-    """Mean residual of every sensor over its most telling condition, and by nearness to robots."""
-    figure = Figure(figsize=(5.5 * len(gap.sensors), 7), layout="constrained")
-    axes = figure.subplots(2, len(gap.sensors), squeeze=False)
-    conditions = {"ps": ("wall_distance", "near_robot"), "ls": ("lamp_distance", "lamp_bearing")}
-    for column, sensor in zip(axes.T, gap.sensors, strict=True):
-        for axis, name in zip(column, conditions[sensor.kind], strict=True):
-            maps = [m for m in sensor.maps if m.condition == name]
-            if not maps:
-                axis.set_axis_off()
-                continue
-            grid = np.array([np.where(m.number > 0, m.mean, np.nan) for m in maps])
-            most = max(float(np.nanmax(np.abs(grid))), 1.0) if np.isfinite(grid).any() else 1.0
-            sns.heatmap(
-                grid,
-                ax=axis,
-                cmap=DIVERGING,
-                vmin=-most,
-                vmax=most,
-                annot=True,
-                fmt=".0f",
-                xticklabels=list(maps[0].labels),
-                yticklabels=[m.channel for m in maps],
-                cbar_kws={"label": "measured - predicted (counts)"},
-            )
-            axis.set_xlabel(name.replace("_", " "))
-            axis.tick_params(axis="y", rotation=0)
+def _mapped(sensor: SensorGap) -> list[list[Means]]:
+    """Maps of what sensors read by what they look at, and by nearness to robots; those seen."""
+    names = {"ps": ("wall_distance", "near_robot"), "ls": ("lamp_distance", "lamp_bearing")}
+    by_name = [[m for m in sensor.maps if m.condition == n] for n in names[sensor.kind]]
+    return [maps for maps in by_name if any((m.number > 0).any() for m in maps)]
+
+
+def _sensors(gap: Gap) -> Figure | None:
+    """Mean residual of every sensor; None: no sensor saw anything."""
+    shown = [(sensor, maps) for sensor in gap.sensors for maps in _mapped(sensor)]
+    if not shown:
+        return None
+    figure = Figure(figsize=(10, 3.5 * -(-len(shown) // 2)), layout="constrained")
+    axes = figure.subplots(-(-len(shown) // 2), 2, squeeze=False).ravel()
+    for axis in axes[len(shown) :]:
+        axis.set_axis_off()
+    for axis, (_, maps) in zip(axes, shown, strict=False):
+        grid = np.array([np.where(m.number > 0, m.mean, np.nan) for m in maps])
+        most = max(float(np.nanmax(np.abs(grid))), 1.0)
+        sns.heatmap(
+            grid,
+            ax=axis,
+            cmap=DIVERGING,
+            vmin=-most,
+            vmax=most,
+            annot=True,
+            fmt=".0f",
+            xticklabels=list(maps[0].labels),
+            yticklabels=[m.channel for m in maps],
+            cbar_kws={"label": "measured - predicted (counts)"},
+        )
+        axis.set_xlabel(maps[0].condition.replace("_", " "))
+        axis.tick_params(axis="y", rotation=0)
     figure.suptitle("What the sensors read beyond the prediction")
     return figure
 

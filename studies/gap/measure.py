@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
@@ -14,15 +15,19 @@ from realitygap.models.gap import whole as replayed
 from realitygap.models.log.measured import SAMPLES, write_table
 from realitygap.studies.fitness_gap.by_third import CoevolutionGap, coevolution_gap
 from realitygap.studies.fitness_gap.generations import find_generations, read_generations
-from realitygap.studies.gap.figures import draw_coevolution, draw_figures
+from realitygap.studies.gap.figures import draw_coevolution, draw_figures, draw_horizon
+from realitygap.studies.gap.page import write_report
 from realitygap.studies.gap.report import SCHEMA, Tidy, describe, tidy_tables
 from realitygap.studies.gap.words import fitness_line
 from realitygap.studies.inputs.logs import AnyLog, Log, as_log
 from realitygap.studies.inputs.model import AnyModel, Model
-from realitygap.studies.pages.notebook import Telling
+from realitygap.studies.pages.notebook import Telling, new_axes
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.progress import unseen
 from realitygap.studies.plumbing.provenance import file_read, versions, write_json
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 FILE = "gap.json"
 
@@ -80,7 +85,7 @@ class GapResult(Telling):
         return pd.DataFrame(rows, columns=[*names, "noise", "bias", "structured"])
 
     def write(self, out: Path | str, *, force: bool = False) -> None:
-        """Write gap.json, tidy tables and figures into a new directory.
+        """Write gap.json, tidy tables, figures and report.html into a new directory.
 
         Args:
             out: The directory.
@@ -98,6 +103,25 @@ class GapResult(Telling):
             write_table(one.frame, folder / f"{name}.parquet", one.units)
         self.draw(folder)
         write_json(folder / FILE, dict(self.content))
+        write_report(self.content, folder)
+
+    def table_told(self) -> pd.DataFrame | None:
+        """As `Telling`: how large each error is."""
+        return self.channels.drop(columns=["bias_value"]) if len(self.channels) else None
+
+    def plot(self, axes: Axes | None = None, *, channel: str = "position") -> Axes:
+        """Draw the error against how far ahead is predicted, beside that of noise alone.
+
+        Args:
+            axes: To draw into; new ones if absent.
+            channel: position or heading.
+
+        Raises:
+            KeyError: nothing was replayed: the directory had generations alone.
+        """
+        axes = new_axes(axes)
+        draw_horizon(self.horizons, channel, axes)
+        return axes
 
     def told(self) -> tuple[str, str, str]:
         """As `Telling`."""
@@ -157,7 +181,7 @@ def _of_fitness(evolved: CoevolutionGap, inputs: list[dict[str, str]]) -> GapRes
     content = {"schema": SCHEMA, "coevolution": evolved.report, "summary": [fitness_line(evolved)]}
     content |= {"inputs": inputs, "versions": versions()}
     tidy = {"coevolution": Tidy(evolved.table, evolved.units)}
-    return GapResult(content, tidy, lambda folder: draw_coevolution(evolved, folder))
+    return GapResult(content, tidy, partial(draw_coevolution, evolved))
 
 
 def _of_log(
@@ -184,5 +208,5 @@ def _of_log(
     return GapResult(
         content | {"inputs": inputs, "versions": versions()},
         tidy,
-        lambda folder: draw_figures(measured, found, folder, evolved),
+        partial(draw_figures, measured, found, coevolution=evolved),
     )

@@ -41,6 +41,24 @@ WORDS = {
 }
 
 
+UNITS = {
+    "change": "rad/s",
+    "radius": "m",
+    "speed": "m/s",
+    "speed_change": "m/s",
+    "time": "s",
+    "turn": "rad/s",
+    "turn_change": "rad/s",
+}
+"""Of conditions whose groups are bare numbers, as in "0.1 to 0.2"."""
+
+
+def group_text(condition: str, group: str) -> str:
+    """A group of a condition, with its unit."""
+    unit = UNITS.get(condition)
+    return f"{group} {unit}" if unit and group[-1:].isdigit() else group
+
+
 def summary(log: MeasuredLog, gap: Gap, coevolution: CoevolutionGap | None = None) -> list[str]:
     """What departs from the model, largest first in units of noise, then what else to know."""
     weighed = [*_motion_lines(gap), *_sensor_lines(gap), *_robot_lines(gap)]
@@ -121,7 +139,11 @@ def _robot_lines(gap: Gap) -> list[tuple[float, str]]:
     for odd in gap.robots:
         if odd.p <= LEVEL:
             off = size(odd.deviation, unit[odd.channel])
-            where = "" if odd.condition == "all" else f" at {WORDS[odd.condition]} {odd.group}"
+            where = (
+                ""
+                if odd.condition == "all"
+                else f" at {WORDS[odd.condition]} {group_text(odd.condition, odd.group)}"
+            )
             text = f"{odd.robot} is unlike the others: its {WORDS[odd.channel]} over 1 s differs by"
             floor = noise[odd.channel].noise_rms if odd.channel in noise else abs(odd.deviation)
             lines.append((10.0 + abs(odd.deviation) / floor, f"{text} {off}{where}."))
@@ -163,7 +185,8 @@ def _largest(gap: Gap, channels: tuple[str, ...], unit: str) -> str | None:
             what = WORDS.get(found.condition, found.condition)
             told = (
                 f"over 1 s most by {what} ({size(rms[high], unit)} rms {WORDS[found.channel]} at "
-                f"{found.labels[high]}, {size(rms[low], unit)} at {found.labels[low]})"
+                f"{group_text(found.condition, found.labels[high])}, {size(rms[low], unit)} at "
+                f"{group_text(found.condition, found.labels[low])})"
             )
     return told
 
@@ -172,7 +195,11 @@ def _depends(found: Means, share: Share, unit: str) -> str:
     """What a map says."""
     at = telling(found)
     what = WORDS.get(found.condition, found.condition)
-    group = "" if found.condition == "all" else f", most at {found.labels[at]}"
+    group = (
+        ""
+        if found.condition == "all"
+        else f", most at {group_text(found.condition, found.labels[at])}"
+    )
     part = 100 * explained(found, share.rms)
     return (
         f"depends on {what}{group}: mean {size(found.mean[at], unit, signed=True)}"

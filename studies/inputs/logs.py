@@ -6,10 +6,11 @@ import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import pandas as pd
+from markupsafe import escape
 
 from realitygap.embedded_sim.errors import InputError
 from realitygap.models.belief.assumed import unlike
@@ -26,8 +27,12 @@ from realitygap.models.log.opened import opened
 from realitygap.models.log.schema import BODY_COMMANDS, WHEEL_COMMANDS
 from realitygap.models.log.table_files import MOST_BYTES
 from realitygap.studies.inputs.model import AnyModel, Model
+from realitygap.studies.pages.notebook import html_table, new_axes
 from realitygap.studies.plumbing.output import Ours, whole_file
 from realitygap.studies.plumbing.provenance import file_read
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 IN_MEMORY = "<table>"
 """What a table in memory is called where a file's path would stand."""
@@ -158,6 +163,27 @@ class Log:
         """
         with whole_file(checked_out(Path(out)), force=force, ours=is_log) as part:
             write_table(self.table, part)
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw where the robots were seen, a line each.
+
+        Args:
+            axes: To draw into; new ones if absent.
+        """
+        axes = new_axes(axes)
+        for color, (robot, track) in enumerate(self.table.groupby("robot", sort=False)):
+            for k, (_, one) in enumerate(track.groupby("run", sort=False)):
+                label = f"robot {robot}" if k == 0 else None
+                axes.plot(one["x"], one["y"], linewidth=0.9, label=label, color=f"C{color}")
+        axes.set(xlabel="x (m)", ylabel="y (m)")
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.legend()
+        return axes
+
+    def _repr_html_(self) -> str:
+        notes = "".join(f"<p>{escape(note)}</p>" for note in self.notes)
+        where = escape(", ".join(one.name for one in self.sources))
+        return f"<div><h4>Log {where}</h4><p>{self.size}</p>{notes}{html_table(self.table)}</div>"
 
     def __repr__(self) -> str:
         where = ", ".join(one.name for one in self.sources)

@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import TypeAlias
 
 import pandas as pd
+from markupsafe import escape
 
 from realitygap.embedded_sim import InputError, PointModel, Tables
 from realitygap.models.belief.extended import NAME, extended_text, read_back
 from realitygap.models.belief.extension import Extension
 from realitygap.models.belief.modelfile import DEFAULT, ModelFile, find_model_file, read_model_file
 from realitygap.models.belief.tables import load_tables, tables_bytes
-from realitygap.studies.pages.notebook import rows_table
+from realitygap.studies.pages.notebook import html_table, rows_table
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.provenance import file_read
 
@@ -186,6 +187,9 @@ class Model:
             former = self.file.extension or Extension()
             return extended_text(self.minimal().file, former, self._beside)
         return extended_text(self.file, added, self._beside)
+
+    def _repr_html_(self) -> str:
+        return f"<div><p>{escape(repr(self))}</p>{html_table(self.causes)}</div>"
 
     def __repr__(self) -> str:
         where = "in memory" if self.path is None else str(self.path)

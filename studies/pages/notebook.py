@@ -1,16 +1,22 @@
-"""How a result shows itself in a notebook: a headline, what it says, where to look."""
+"""How a result shows itself in a notebook: a headline, what it says, a table, a picture."""
 
 from __future__ import annotations
 
 import textwrap
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
+from markupsafe import escape
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 WIDTH = 100
 """Letters of a line."""
+MOST_ROWS = 12
+"""Rows of a table that are shown unasked."""
 
 
 class Telling(ABC):
@@ -20,6 +26,18 @@ class Telling(ABC):
     def told(self) -> tuple[str, str, str]:
         """Headline, text (a line each becomes one or several), names of attributes to look at."""
 
+    @abstractmethod
+    def table_told(self) -> pd.DataFrame | None:
+        """The table that it shows unasked; None: none."""
+
+    @abstractmethod
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw it; returns the matplotlib axes.
+
+        Args:
+            axes: To draw into; new ones if absent.
+        """
+
     def __repr__(self) -> str:
         headline, text, look = self.told()
         lines = [
@@ -27,6 +45,31 @@ class Telling(ABC):
             for line in text.splitlines()
         ]
         return "\n".join([headline, *lines, f"  see {look}"])
+
+    def _repr_html_(self) -> str:
+        headline, text, look = self.told()
+        lines = "".join(f"<p>{escape(line)}</p>" for line in text.splitlines())
+        table = self.table_told()
+        shown = "" if table is None else html_table(table)
+        return f"<div><h4>{escape(headline)}</h4>{lines}{shown}<p>see {escape(look)}</p></div>"
+
+
+def html_table(table: pd.DataFrame) -> str:
+    """A table's first rows as HTML, text as text, numbers to four digits."""
+    if not len(table):
+        return ""
+    first = table.head(MOST_ROWS)
+    more = f"<p>and {len(table) - MOST_ROWS} rows more</p>" if len(table) > MOST_ROWS else ""
+    return str(first.to_html(index=False, border=0, float_format="{:.4g}".format, na_rep="")) + more
+
+
+def new_axes(axes: Axes | None) -> Axes:
+    """Those given, or new ones, which a notebook shows."""
+    if axes is not None:
+        return axes
+    import matplotlib.pyplot as plt
+
+    return plt.subplots(figsize=(6.4, 4.4), layout="constrained")[1]
 
 
 def rows_table(

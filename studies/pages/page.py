@@ -11,9 +11,12 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+
+from realitygap.studies.pages.glossary import Words
 
 VERDICTS = ("reproduced", "not reproduced", "undecided")
 WIDTH = 110
@@ -27,6 +30,8 @@ class Picture:
     path: Path
     """The PNG."""
     caption: str
+    wide: bool = True
+    """It takes the page's whole width; a phone scrolls it sideways, by itself."""
 
     @property
     def png(self) -> str:
@@ -66,10 +71,28 @@ class Section:
     tables: Sequence[PageTable] = field(default_factory=tuple)
     links: Sequence[tuple[str, str]] = ()
     """Files beside the page: name, and what is to be seen in it."""
+    points: Sequence[str] = ()
+    """Of a list."""
+    commands: Sequence[str] = ()
+    """To type."""
+    folded: bool = False
+    """Shown when it is clicked on, at the page's end; not printed."""
 
 
-def write_page(path: Path, title: str, lead: str, sections: Sequence[Section]) -> None:
-    """Write the page."""
+@dataclass(frozen=True)
+class Box:
+    """What a page says first, set apart."""
+
+    tone: Literal["fault", "sound", "open"]
+    """Its colour: something is wrong, nothing is, it is not known."""
+    headline: str
+    texts: Sequence[str] = ()
+    code: str = ""
+    """As it stands in a file."""
+
+
+def write_page(path: Path, title: str, lead: str | Box, sections: Sequence[Section]) -> None:
+    """Write the page: its words of the glossary explain themselves."""
     environment = Environment(
         loader=PackageLoader("realitygap.studies.pages", "."),
         autoescape=select_autoescape(default=True, default_for_string=True),
@@ -77,8 +100,10 @@ def write_page(path: Path, title: str, lead: str, sections: Sequence[Section]) -
         trim_blocks=True,
         keep_trailing_newline=True,
     )
+    environment.filters["words"] = words = Words()
     page = environment.get_template("report.html.j2")
-    path.write_text(page.render(title=title, lead=lead, sections=sections), encoding="utf-8")
+    text = page.render(title=title, lead=lead, sections=sections, said=words.said)
+    path.write_text(text, encoding="utf-8")
 
 
 def markdown(sections: Sequence[Section]) -> str:
@@ -115,7 +140,7 @@ def number(value: float) -> str:
 
 def _cell(value: object) -> Cell:
     if isinstance(value, float):
-        return Cell(number(value), "number")
+        return Cell(number(value), "" if math.isnan(value) else "number")
     if isinstance(value, int):
         return Cell(str(value), "number")
     text = "–" if value is None or value is pd.NA else str(value)

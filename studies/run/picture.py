@@ -5,18 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
-import seaborn as sns
 from matplotlib.patches import Circle
 
 from realitygap.reality import constants as k
 from realitygap.reality.hardware import NOMINAL
+from realitygap.studies.pages.drawing import canvas, save, themed
 from realitygap.studies.run.experiment import HALVES, Case
 
 THIRDS = ("light opposite nest", "no light", "light at nest")
@@ -37,16 +32,16 @@ def draw_run(run: Path, case: Case, picture: Path) -> None:
     samples = pd.read_parquet(run / "samples.parquet", columns=["robot", "t", "x", "y"])
     deposits = pd.read_parquet(run / "deposits.parquet")
     generations = pd.read_parquet(run / "generations.parquet")
-    sns.set_theme(style="whitegrid")
-    figure, (arena, food, belief) = plt.subplots(1, 3, figsize=(15, 5), layout="constrained")
-    _arena(arena, samples, case)
-    _food(food, deposits, float(samples["t"].max()) / 60.0)
-    _belief(belief, generations)
-    figure.savefig(picture, dpi=110, metadata={"Software": None})
-    plt.close(figure)
+    with themed():
+        figure = canvas(15, 5)
+        arena, food, belief = figure.subplots(1, 3)
+        draw_arena(arena, samples, case)
+        _food(food, deposits, float(samples["t"].max()) / 60.0)
+        _belief(belief, generations)
+        save(figure, picture)
 
 
-def _arena(axes: Any, samples: pd.DataFrame, case: Case) -> None:
+def draw_arena(axes: Any, samples: pd.DataFrame, case: Case) -> None:
     """Tracks over the arena, nest and lamp."""
     end = samples["t"].max()
     for _, track in samples[samples["t"] > end - TRACK_SECONDS].groupby("robot"):

@@ -14,7 +14,7 @@ from realitygap.reality.constants import ARENA_RADIUS
 from realitygap.reality.engine import DEFAULT, engine_name
 from realitygap.reality.rays import DEFAULT_RAYS, rays_name
 from realitygap.studies.inputs.model import AnyModel, Model
-from realitygap.studies.pages.notebook import Telling
+from realitygap.studies.pages.notebook import Telling, new_axes
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.rooms import scratch
 from realitygap.studies.run import experiment
@@ -24,6 +24,7 @@ from realitygap.studies.run.settings import run_config
 
 if TYPE_CHECKING:
     from realitygap.studies.inputs.logs import Log
+    from matplotlib.axes import Axes
 
 FILE = "run.json"
 TABLES = ("generations", "deposits", "samples")
@@ -81,6 +82,30 @@ class RunResult(Telling):
         if not path.exists():
             raise KeyError(name)
         return pd.read_parquet(path)
+
+    def table_told(self) -> pd.DataFrame | None:
+        """As `Telling`: fitness in simulation and reality, by generation."""
+        try:
+            table = self.generations
+        except KeyError:
+            return None
+        means = table.groupby("generation")[["fitness_sim", "fitness_real"]].mean()
+        return means.reset_index()
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the robots' last minute over arena, nest and lamp.
+
+        Args:
+            axes: To draw into; new ones if absent.
+
+        Raises:
+            KeyError: the run kept no samples.
+        """
+        from realitygap.studies.run.picture import draw_arena
+
+        axes = new_axes(axes)
+        draw_arena(axes, self.samples, self.config.case)
+        return axes
 
     def told(self) -> tuple[str, str, str]:
         """As `Telling`."""

@@ -39,6 +39,15 @@ def test_without_a_reference_the_headline_says_so(left: tuple[Unexplained, ...])
     assert said != verdict_sentence(Diagnosis(named=(), unexplained=left, reference="e-puck"))
 
 
+def test_what_is_named_is_not_said_to_be_unexplained() -> None:
+    said = verdict_sentence(Diagnosis(named=(named(),), unexplained=(LEFT,), reference="e-puck"))
+    unknown, beside = said.split("Beside it is named: ")
+    assert "motor_saturation" in beside
+    assert "motor_saturation" not in unknown
+    both = verdict_sentence(Diagnosis(named=(named(), REFUSED), reference="e-puck"))
+    assert both.split("Beside it is named: ")[0].count("motor_saturation") == 1
+
+
 def test_why_a_cause_is_not_exported_stands_in_the_headline() -> None:
     assert "seen, but worse: not exported" in verdict_sentence(Diagnosis(named=(REFUSED,)))
 

@@ -13,6 +13,7 @@ import pytest
 from realitygap.studies.paper.conditions import STUDIED, plan
 from realitygap.studies.paper.study import run_study
 from realitygap.studies.plumbing.execution import Workers
+from tests.helpers import page_text
 from tests.studies.small_study import TINY, results
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -68,7 +69,7 @@ def test_making_the_report_again_changes_no_byte_of_the_results(
     monkeypatch.setattr("realitygap.studies.fitness_gap.anew.TRIALS", 20)
     said = run_study(SMALL, study, Workers(1), quiet=True)
     assert results(study) == before
-    assert said in (study / "report.html").read_text(encoding="utf-8")
+    assert said in page_text(study / "report.html")
     assert said in " ".join((study / "results.md").read_text(encoding="utf-8").split())
 
 

@@ -34,6 +34,9 @@ def places(name: str) -> dict[str, bool]:
     return {
         f"reality/effects/{name}.py, which hides it": name in catalogue(),
         f"models/belief/causes/{name}.py, which believes it": name in every_cause(),
+        f"its sentence, `plain` in models/belief/causes/{name}.py": bool(
+            name in every_cause() and every_cause()[name].plain
+        ),
         f'its entry "{name}" of MENU in studies/hidden/menu.py': name in MENU,
         f'a test of its physics, with "{name}:...", in tests/reality': any(
             f'"{name}:' in text for text in physics

@@ -31,7 +31,7 @@ from realitygap.studies.transfer.plan import (
 )
 from realitygap.studies.transfer.study import run_transfer
 from realitygap.studies.transfer.words import reason
-from tests.helpers import realitygap
+from tests.helpers import page_text, realitygap
 
 WINDOW = "second_lamp:x=0.6,y=0,intensity=2"
 
@@ -197,7 +197,7 @@ def test_a_tiny_study_runs_resumes_and_reports(
     (entry,) = content["alterations"]
     assert entry["diagnosed"] == "a given model"
     assert {row["metric"] for row in entry["comparisons"]} >= {"food", "gap", "fitness_real"}
-    page = (out / "report.html").read_text(encoding="utf-8")
+    page = page_text(out / "report.html")
     assert said in page
     assert "data:image/png;base64," in page
     assert "http://" not in page.replace("http://www.w3.org", "")

@@ -17,6 +17,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="ambient_light",
     meaning="the room is brighter or darker than when the sensors were captured",
+    plain="The room is {level:brighter/darker} than when the light sensors were captured. Shade "
+    "its windows and lamps.",
     parameters=(
         Parameter(
             name="level",

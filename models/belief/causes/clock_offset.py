@@ -27,6 +27,8 @@ def _starts(commands: FloatArray) -> list[FloatArray]:
 CAUSE = Cause(
     name="clock_offset",
     meaning="the tracker's clock is offset from the robots': poses are stamped late (early if < 0)",
+    plain="{Whose} poses are stamped {seconds:late/early}. Synchronise the tracker's clock with "
+    "the robot's.",
     parameters=(
         Parameter(
             name="seconds",

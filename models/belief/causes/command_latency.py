@@ -35,6 +35,8 @@ def _as_twin(without: Motion, stamped: Motion) -> float | None:
 CAUSE = Cause(
     name="command_latency",
     meaning="commands reach the motors later than the model believes",
+    plain="Commands reach {whose} motors {seconds:later/earlier} than the model believes. Look "
+    "at the radio link and at the control loop.",
     parameters=(
         Parameter(
             name="seconds",

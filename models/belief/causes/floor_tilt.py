@@ -14,6 +14,7 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
 CAUSE = Cause(
     name="floor_tilt",
     meaning="the floor is not level; wheels that hold their speed hide it, so it is never named",
+    plain="The floor slopes by {slope}. Level it.",
     parameters=(
         Parameter(name="slope", unit="rad", null=0.0, low=0.0, high=0.3, step=1e-2),
         Parameter(name="direction", unit="rad", null=0.0, low=-3.2, high=3.2, step=0.1),

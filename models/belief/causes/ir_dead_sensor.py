@@ -19,6 +19,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="ir_dead_sensor",
     meaning="an infrared sensor is dead: it reads nothing, whatever is in front of it",
+    plain="{Whose} infrared {which} reads nothing, whatever is in front of it. Check its cable, "
+    "or replace it.",
     parameters=(),
     sense=_sense,
     kind="ps",

@@ -19,6 +19,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="ir_gain",
     meaning="infrared emitter or receiver of another gain",
+    plain="{Whose} infrared {which} reads {scale:more/less} than the captured one. Clean it, and "
+    "check its supply.",
     parameters=(
         Parameter(name="scale", unit="1", null=1.0, low=0.02, high=10.0, step=0.01, link="factor"),
     ),

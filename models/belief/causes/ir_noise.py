@@ -24,6 +24,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="ir_noise",
     meaning="the infrared readings are noisier, or less noisy, than the captured ones",
+    plain="{Whose} infrared readings scatter {scale:more/less} than the captured ones. Look for "
+    "flickering lamps and a weak supply.",
     parameters=(
         Parameter(
             name="scale",

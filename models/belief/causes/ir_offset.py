@@ -21,6 +21,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="ir_offset",
     meaning="infrared in the room adds to every infrared reading",
+    plain="{Whose} infrared sensors read {counts:more/less} everywhere. Look for sunlight and "
+    "warm lamps in the room.",
     parameters=(
         Parameter(
             name="counts",

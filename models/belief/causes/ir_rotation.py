@@ -32,6 +32,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="ir_rotation",
     meaning="the ring of infrared and light sensors is turned on the body",
+    plain="{Whose} ring of sensors is turned {angle:counter-clockwise/clockwise}. Mount it "
+    "straight.",
     parameters=(
         Parameter(
             name="angle",

@@ -17,6 +17,7 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="lamp_decay",
     meaning="the lamp dims as time goes by",
+    plain="The lamp dims: it loses {rate}. Check its supply, or replace it.",
     parameters=(Parameter(name="rate", unit="1/s", null=0.0, low=-1e-4, high=0.1, step=0.0002),),
     sense=_sense,
     kind="ls",

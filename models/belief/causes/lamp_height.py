@@ -22,6 +22,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="lamp_height",
     meaning="the lamp is higher or lower than the captured one",
+    plain="The lamp hangs {height:higher/lower} than when the sensors were captured. Measure its "
+    "height.",
     parameters=(
         Parameter(name="height", unit="m", null=LAMP_HEIGHT, low=0.0, high=5.0, step=0.001),
     ),

@@ -17,6 +17,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="lamp_intensity",
     meaning="the lamp is brighter or dimmer than the captured one",
+    plain="The lamp is {scale:brighter/dimmer} than when the sensors were captured. Check its "
+    "supply and its bulb.",
     parameters=(
         Parameter(name="scale", unit="1", null=1.0, low=0.01, high=100.0, step=0.01, link="factor"),
     ),

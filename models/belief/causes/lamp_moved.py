@@ -33,6 +33,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="lamp_moved",
     meaning="the lamp stands elsewhere than believed",
+    plain="The lamp stands {x} along x and {y} along y from where the model has it. Put it back, "
+    "or measure its place.",
     parameters=(
         Parameter(name="x", unit="m", null=0.0, low=-3.0, high=3.0, step=0.002, doubt=DOUBT),
         Parameter(name="y", unit="m", null=0.0, low=-3.0, high=3.0, step=0.002, doubt=DOUBT),

@@ -20,6 +20,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="light_falloff",
     meaning="the light falls off with another power of distance",
+    plain="The light falls off with distance to the power {exponent}. Look for reflections and "
+    "for other lamps.",
     parameters=(Parameter(name="exponent", unit="1", null=SQUARE, low=0.0, high=6.0, step=0.01),),
     sense=_sense,
     kind="ls",

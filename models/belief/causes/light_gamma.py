@@ -17,6 +17,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="light_gamma",
     meaning="the light sensors answer to light with another response curve",
+    plain="{Whose} light sensors answer with the power {exponent} of what they were captured "
+    "with. Capture them again.",
     parameters=(Parameter(name="exponent", unit="1", null=1.0, low=0.2, high=5.0, step=0.005),),
     sense=_sense,
     kind="ls",

@@ -56,6 +56,8 @@ CAUSE = Cause(
     name="low_friction",
     meaning="the wheels slip on the floor when they speed up or brake, from a share of the healthy "
     "acceleration on",
+    plain="{Whose} wheels slip beyond {friction:%} of a healthy robot's acceleration. Clean "
+    "tyres and floor.",
     parameters=(
         Parameter(
             name="friction",

@@ -18,6 +18,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="ls_dead_sensor",
     meaning="a light sensor is covered or dead: it reads dark whatever light falls on it",
+    plain="{Whose} light {which} reads dark, whatever light falls on it. Uncover it, or replace "
+    "it.",
     parameters=(),
     sense=_sense,
     kind="ls",

@@ -50,6 +50,7 @@ def least_seen(commands: FloatArray) -> float:
 CAUSE = Cause(
     name="motor_dead_zone",
     meaning="a motor does not turn when told to turn slowly",
+    plain="Commands below {threshold} do not turn {whose} {which}. Look for friction in the gears.",
     parameters=(
         Parameter(name="threshold", unit="rad/s", null=0.0, low=0.0, high=1000.0, step=2e-2),
     ),

@@ -63,6 +63,8 @@ def _starts(commands: FloatArray) -> list[FloatArray]:
 CAUSE = Cause(
     name="motor_lag",
     meaning="the motors answer as a first-order lag: speed approaches the command gradually",
+    plain="{Whose} motors need {time_constant} for two thirds of a change of speed. Check the "
+    "battery and the speed controllers.",
     parameters=(
         Parameter(
             name="time_constant",

@@ -33,6 +33,8 @@ def _starts(commands: FloatArray) -> list[FloatArray]:
 CAUSE = Cause(
     name="motor_saturation",
     meaning="a motor cannot turn as fast as it is told to",
+    plain="{Whose} {which} cannot turn faster than {limit}. Check the battery, the motor and its "
+    "gear.",
     parameters=(
         Parameter(name="limit", unit="rad/s", null=math.inf, low=1e-3, high=FASTEST, step=2e-2),
     ),

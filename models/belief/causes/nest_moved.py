@@ -17,6 +17,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="nest_moved",
     meaning="the virtual sensor says nest at another place than believed",
+    plain="{Whose} virtual sensor has the nest {x} along x and {y} along y from where the model "
+    "has it. Set it anew.",
     parameters=(
         Parameter(name="x", unit="m", null=0.0, low=-2.0, high=2.0, step=0.001),
         Parameter(name="y", unit="m", null=0.0, low=-2.0, high=2.0, step=0.001),

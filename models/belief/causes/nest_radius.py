@@ -16,6 +16,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="nest_radius",
     meaning="the virtual sensor says nest within another radius than believed",
+    plain="{Whose} virtual sensor has a nest whose radius is {scale:larger/smaller} than the "
+    "model's. Set it anew.",
     parameters=(
         Parameter(name="scale", unit="1", null=1.0, low=0.05, high=5.0, step=0.01, link="factor"),
     ),

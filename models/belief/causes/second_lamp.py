@@ -47,6 +47,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="second_lamp",
     meaning="there is another source of light, as a window",
+    plain="Another light shines at x = {x}, y = {y}, with {intensity:%} of the lamp's. Look "
+    "there for a window or a lamp.",
     parameters=(
         replace(PLACE, name="x"),
         replace(PLACE, name="y"),

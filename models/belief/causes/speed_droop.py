@@ -17,6 +17,7 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
 CAUSE = Cause(
     name="speed_droop",
     meaning="the motors lose speed as time passes, as on a battery that empties",
+    plain="{Whose} motors lose {rate} of their speed. Charge the battery, or replace it.",
     parameters=(
         Parameter(name="rate", unit="1/s", null=0.0, low=-0.01, high=0.05, step=1e-5, sign=1),
     ),

@@ -17,6 +17,8 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
 CAUSE = Cause(
     name="tracker_offset",
     meaning="the tracker's markers are mounted off the middle of the axle",
+    plain="{Whose} marker sits {x:ahead/behind} and {y:to the left/to the right} of the axle's "
+    "middle. Mount it there.",
     parameters=(
         Parameter(
             name="x",

@@ -16,6 +16,7 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
 CAUSE = Cause(
     name="tracker_yaw_offset",
     meaning="the tracker's markers are mounted rotated about the vertical",
+    plain="{Whose} marker is turned {angle:counter-clockwise/clockwise}. Mount it straight.",
     parameters=(
         Parameter(
             name="angle",

@@ -17,6 +17,8 @@ def _sense(belief: Belief, values: FloatArray, variant: str) -> Belief:
 CAUSE = SenseCause(
     name="wall_albedo",
     meaning="the wall reflects more or less infrared than the captured one",
+    plain="The wall reflects {scale:more/less} infrared than the captured one. Measure its "
+    "paint, or capture it again.",
     parameters=(
         Parameter(name="scale", unit="1", null=1.0, low=0.02, high=10.0, step=0.01, link="factor"),
     ),

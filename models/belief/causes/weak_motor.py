@@ -41,6 +41,8 @@ CAUSE = Cause(
     name="weak_motor",
     meaning="the motors give a share only of a healthy robot's torque: the wheels change speed "
     "slowly",
+    plain="{Whose} motors give {torque:%} of a healthy robot's torque. Check the battery and the "
+    "gears.",
     parameters=(
         Parameter(
             name="torque",

@@ -20,6 +20,7 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
 CAUSE = Cause(
     name="wheel_radius_mismatch",
     meaning="the two wheels differ in radius: the robot bends away from the larger one",
+    plain="{Whose} right wheel is {ratio:larger/smaller} than its left. Measure both.",
     parameters=(
         Parameter(
             name="ratio", unit="right/left", null=1.0, low=0.5, high=2.0, step=1e-3, doubt=0.03

@@ -19,6 +19,8 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
 CAUSE = Cause(
     name="wheel_radius_scale",
     meaning="both wheels are larger or smaller than the model has them, or all speeds are scaled",
+    plain="{Whose} wheels are {scale:larger/smaller} than in the model, or all its speeds are "
+    "scaled. Measure their diameter.",
     parameters=(
         Parameter(name="scale", unit="1", null=1.0, low=0.3, high=3.0, step=1e-3, link="factor"),
     ),

@@ -16,6 +16,8 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
 CAUSE = Cause(
     name="wheel_separation",
     meaning="the wheels touch the floor further apart or nearer than the model has them",
+    plain="{Whose} wheels touch the floor {scale:further apart/nearer together} than in the "
+    "model. Measure between the tyres.",
     parameters=(
         Parameter(
             name="scale",
