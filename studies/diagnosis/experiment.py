@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -22,9 +22,12 @@ from realitygap.studies.diagnosis.plan import ProposingTable
 from realitygap.studies.diagnosis.result import FILE, DiagnosisResult
 from realitygap.studies.diagnosis.twists import topics_of, write_twists
 from realitygap.studies.inputs.model import Model
-from realitygap.studies.pages.notebook import Telling, rows_table
+from realitygap.studies.pages.notebook import Telling, new_axes, rows_table
 from realitygap.studies.plumbing.output import whole_directory, whole_file
 from realitygap.studies.plumbing.provenance import file_read, versions, write_json
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 FORMATS = {".csv": "table", ".parquet": "table", ".mcap": "ros2", "": "ros2"}
 """By ending of a file; a bag of ROS 2 is a directory, or one file of MCAP."""
@@ -59,6 +62,25 @@ class ProposedExperiment(Telling):
         ]
         columns = ["robot", "t_start", "t_end", "channel", "unit", "cause", "value", "apart"]
         return rows_table(rows, columns, ("t_start", "t_end", "value", "apart"))
+
+    def table_told(self) -> pd.DataFrame:
+        """What tells the rivals apart."""
+        return self.expected
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw both wheels' commands over time, a line per robot and wheel; returns the axes.
+
+        Args:
+            axes: To draw into; new ones if absent.
+        """
+        axes = new_axes(axes)
+        for robot, own in self.commands.groupby("robot"):
+            for side in ("left", "right"):
+                axes.step(own["t"], own[f"cmd_{side}"], where="post", label=f"{robot}, {side}")
+        axes.set_xlabel("time (s)")
+        axes.set_ylabel("wheel speed (rad/s)")
+        axes.legend(title="robot, wheel")
+        return axes
 
     def write(self, out: Path | str, *, format: str | None = None, force: bool = False) -> None:
         """Write the commands, and beside them, ending in .json, what is expected.

@@ -23,8 +23,9 @@ from realitygap.studies.run.experiment import RunConfig
 from realitygap.studies.run.settings import run_config
 
 if TYPE_CHECKING:
-    from realitygap.studies.inputs.logs import Log
     from matplotlib.axes import Axes
+
+    from realitygap.studies.inputs.logs import Log
 
 FILE = "run.json"
 TABLES = ("generations", "deposits", "samples")
