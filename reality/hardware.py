@@ -103,6 +103,8 @@ class Hardware:
     windows: list[Lamp]
     """More lamps, lit in every case."""
     laws: Laws
+    arena_radius: float = k.ARENA_RADIUS
+    """m; nest and lamp stand where they stand, whatever the wall's radius."""
     wall_reflectance: float = 1.0
     """Of the wall in the infrared, against the nominal wall."""
 

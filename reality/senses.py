@@ -18,15 +18,15 @@ from realitygap.reality.engine import Engine
 from realitygap.reality.hardware import LAMP_PLACES, FloatArray, Hardware
 
 
-def optics() -> Any:
-    """The C struct `rgo_optics` of the nominal world."""
+def optics(arena_radius: float = k.ARENA_RADIUS) -> Any:
+    """The C struct `rgo_optics` of the nominal world, but for the wall's radius (m)."""
     return ffi.new(
         "rgo_optics *",
         {
             "body_radius": k.BODY_RADIUS,
             "body_top": k.BODY_TOP,
             "sensor_height": k.SENSOR_HEIGHT,
-            "arena_radius": k.ARENA_RADIUS,
+            "arena_radius": arena_radius,
             "ir_range": k.IR_RANGE,
             "ir_offset": k.IR_OFFSET,
             "ir_noise": k.IR_NOISE,
@@ -60,7 +60,7 @@ class Infrared:
         self._on_robot: npt.NDArray[np.bool_] = np.zeros(rays, dtype=np.bool_)
         self._owner: npt.NDArray[np.int32] = np.zeros(rays, dtype=np.int32)
         self._gauss, self._uniform = np.zeros((2, rays)), np.zeros((2, rays))
-        self._optics, self._robots = optics(), robots
+        self._optics, self._robots = optics(hardware.arena_radius), robots
         self._angles = doubles(hardware.sensor_angles)
         self._amplitude = doubles(hardware.ir_amplitude)
         self._outliers = doubles(hardware.ir_outliers)
@@ -186,6 +186,7 @@ class Tracker:
         self._random, self._noise = random, np.zeros((robots, 3))
         self._scale = np.array([k.TRACKER_NOISE, k.TRACKER_NOISE, k.TRACKER_YAW_NOISE])
         self._nest, self._robots = hardware.nest, robots
+        self._reach = hardware.arena_radius - k.BODY_RADIUS
         self._marked = np.flatnonzero(hardware.markers.any(axis=1))
         self._markers = hardware.markers[self._marked]
         self._law = hardware.laws.tracker
@@ -198,9 +199,8 @@ class Tracker:
 
     def place_food(self, item: int, random: np.random.Generator) -> None:
         """Put an item anywhere a robot's centre can reach, outside the nest."""
-        reach = k.ARENA_RADIUS - k.BODY_RADIUS
         while True:
-            radius = reach * np.sqrt(random.random())
+            radius = self._reach * np.sqrt(random.random())
             angle = 2.0 * np.pi * random.random()
             x, y = radius * np.cos(angle), radius * np.sin(angle)
             if np.hypot(x - k.NEST[0], y - k.NEST[1]) >= k.NEST[2]:

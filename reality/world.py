@@ -12,6 +12,7 @@ import numpy as np
 
 from realitygap.embedded_sim.errors import Diverged, InputError
 from realitygap.reality import constants as k
+from realitygap.reality.build import Build
 from realitygap.reality.clock import Past
 from realitygap.reality.effects.spec import HiddenEffect
 from realitygap.reality.encoders import Encoders
@@ -32,6 +33,8 @@ class World:
         effects: Sequence[HiddenEffect] = (),
         poses: FloatArray | None = None,
         lamp_power: float = k.LAMP_POWER,
+        arena_radius: float = k.ARENA_RADIUS,
+        build: Build | None = None,
         engine: str = DEFAULT,
     ) -> None:
         """Build the arena and put the robots down.
@@ -42,6 +45,8 @@ class World:
             effects: What to hide in it.
             poses: (robots, 3) m, m, rad to start from; drawn at random when absent.
             lamp_power: counts m^2.
+            arena_radius: m, of the wall.
+            build: How the robots differ; None: they are all alike.
             engine: Name of the physics engine.
 
         Raises:
@@ -52,10 +57,15 @@ class World:
         )
         hardware = Hardware.nominal(robots)
         hardware.lamp.power = lamp_power
+        hardware.arena_radius = arena_radius
         for hidden in effects:
             hidden.hide(hardware)
+        if build is not None:
+            build.apply(hardware)
         self.robots = robots
-        self.poses: FloatArray = scatter(robots, places) if poses is None else poses.copy()
+        self.poses: FloatArray = (
+            scatter(robots, places, arena_radius) if poses is None else poses.copy()
+        )
         self.infrared = Infrared(hardware, infrared)
         self.light = Light(hardware, light)
         self.tracker = Tracker(hardware, tracker)
@@ -69,7 +79,7 @@ class World:
         for item in range(k.FOOD_ITEMS):
             self.tracker.place_food(item, food)
         self.engine = engine_class(engine)(gravity=hardware.gravity)
-        self.engine.add_ring()
+        self.engine.add_ring(arena_radius)
         for i in range(robots):
             self.engine.add_epuck(
                 self.poses[i].tolist(),
@@ -115,14 +125,16 @@ class World:
         self.time_step += 1
 
 
-def scatter(robots: int, random: np.random.Generator) -> FloatArray:
+def scatter(
+    robots: int, random: np.random.Generator, arena_radius: float = k.ARENA_RADIUS
+) -> FloatArray:
     """Random poses (robots, 3) in the arena, 5 mm and more between bodies and to the wall.
 
     Raises:
         InputError: no room found.
     """
     gap = 0.005
-    reach = k.ARENA_RADIUS - k.BODY_RADIUS - gap
+    reach = arena_radius - k.BODY_RADIUS - gap
     poses = np.zeros((robots, 3))
     placed = 0
     for _ in range(2000 * robots):

@@ -37,6 +37,7 @@ def blind(
     kinds: Sequence[str] = (),
     leave_one_out: bool = False,
     seconds: Sequence[float] = (),
+    build_spread: float = 0.0,
     engine: str = DEFAULT,
     jobs: int | None = None,
     scheduler: str | None = None,
@@ -54,6 +55,7 @@ def blind(
         kinds: healthy, single, swarm, pair or unlisted, in turn; single at the bars, else all.
         leave_one_out: Hide effects whose cause the diagnosis must do without.
         seconds: Lengths of the logs (s); 120 most often, 60 or 240 if absent.
+        build_spread: Relative standard deviation by which robots' parts differ from nominal.
         engine: Physics of the world: pybullet or mujoco.
         jobs: Processes; all cores if absent.
         scheduler: Address of a Dask scheduler whose workers have this program.
@@ -75,6 +77,7 @@ def blind(
         kinds=tuple(kinds),
         leave_one_out=leave_one_out,
         crowd=crowd,
+        build_spread=build_spread,
         engine=engine_name(engine),
         **lengths,
     )

@@ -10,6 +10,7 @@ import typer
 import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import (
+    BuildSpread,
     Engine,
     Jobs,
     Quiet,
@@ -63,6 +64,7 @@ def blind(
         list[float] | None,
         typer.Option(help="Length of the logs, repeatable; 120 most often, 60 or 240 if absent."),
     ] = None,
+    build_spread: BuildSpread = 0.0,
     quiet: Quiet = False,
 ) -> Outcome:
     """Hide effects at random, diagnose each log in a process that has nothing else, and score.
@@ -82,6 +84,7 @@ def blind(
             kinds=kind or (),
             leave_one_out=leave_one_out,
             seconds=seconds or (),
+            build_spread=build_spread,
             jobs=jobs,
             scheduler=scheduler,
             quiet=quiet,

@@ -10,6 +10,7 @@ import realitygap as rg
 from realitygap.embedded_sim.probes import MENU
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import (
+    BuildSpread,
     Engine,
     Force,
     Genome,
@@ -56,6 +57,7 @@ def run(
     ] = "default",
     trials: Trials = 1,
     genome: Genome = "paper",
+    build_spread: BuildSpread = 0.0,
     engine: Engine = "pybullet",
     no_samples: Annotated[bool, typer.Option("--no-samples", help="No samples.parquet.")] = False,
     force: Force = False,
@@ -81,6 +83,7 @@ def run(
             reading=reading,
             trials=trials,
             genome=genome,
+            build_spread=build_spread,
             samples=not no_samples,
             out=out,
             force=force,

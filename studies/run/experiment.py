@@ -1,7 +1,7 @@
 """One experiment: a swarm forages in reality, its robots evolving on board, all of it logged.
 
 A run is a function of (configuration, seed). One SeedSequence is spawned by purpose: the world, the
-controllers' streams, the robots' evolution, the moments they are switched on.
+controllers' streams, the robots' evolution, the moments they are switched on, how they are built.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from realitygap.embedded_sim.onboard import Swarm
 from realitygap.embedded_sim.probes import PREFIX, probe
 from realitygap.embedded_sim.reading import Bounding, reading
 from realitygap.reality import constants as k
+from realitygap.reality.build import Build
 from realitygap.reality.effects import parse_effects
 from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.reality.hardware import lamp_power
@@ -33,7 +34,7 @@ from realitygap.studies.run.manoeuvre import Manoeuvre
 from realitygap.studies.run.recorder import Recorder, RunTables
 
 if TYPE_CHECKING:
-    from realitygap.reality.effects import Effect, HiddenEffect
+    from realitygap.reality.effects import Effect
 
 Case = Literal[
     "no-light",
@@ -95,6 +96,8 @@ Minutes = Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)]
 Robots = Annotated[int, Field(ge=1, le=100)]
 """More do not find room in the arena."""
 Seed = Annotated[int, Field(ge=0, le=2**63 - 1)]
+BuildSpread = Annotated[float, Field(ge=0.0, le=0.1, allow_inf_nan=False)]
+"""Relative s.d.; at most a tenth, so that no part comes near nothing."""
 Trials = Annotated[int, Field(ge=1, le=1000)]
 """Embedded trials per genome."""
 
@@ -124,6 +127,10 @@ class RunConfig(BaseModel):
     """Rule for genes out of range; None: as the reading has it."""
     lamp_range: Annotated[float, Field(ge=0.1, le=10.0)] | None = None
     """m from the lamp at which its contrast fades; None: the nominal lamp."""
+    arena_radius: Annotated[float, Field(ge=0.3, le=10.0)] = k.ARENA_RADIUS
+    """m, of the wall alone; at least, so that food finds room beside the nest."""
+    build_spread: BuildSpread = 0.0
+    """By how much robots of this make differ; 0: they are all alike."""
     engine: EngineName = DEFAULT
     """Of the world's physics."""
 
@@ -166,9 +173,11 @@ def simulate(
     models = believed.on_board(config.robots)  # refused if wrong, whoever is to use it
     inputs = believed.entries()
     behaviour = Behaviour()
-    world_seed, swarm_seed, evolution_seed, start_seed = np.random.SeedSequence(config.seed).spawn(
-        4
-    )
+    world_seed, swarm_seed, evolution_seed, start_seed, build_seed = np.random.SeedSequence(
+        config.seed
+    ).spawn(5)
+    spread = config.build_spread
+    build = Build.drawn(config.robots, spread, build_seed) if spread else None
     swarm: Swarm | Manoeuvre
     if config.controller.startswith(PREFIX):
         swarm = Manoeuvre(
@@ -192,6 +201,8 @@ def simulate(
         effects=hidden,
         poses=swarm.starts if isinstance(swarm, Manoeuvre) else None,
         lamp_power=_lamp_power(config),
+        arena_radius=config.arena_radius,
+        build=build,
         engine=config.engine,
     )
     try:
@@ -209,7 +220,11 @@ def simulate(
         "radio_messages": float(messages),
         "wall_seconds": time.perf_counter() - began,
     }
-    _write_notes(out, config, inputs, hidden, totals)
+    truth: dict[str, object] = {"effects": [effect.truth() for effect in hidden]}
+    if build is not None:
+        truth["build"] = build.truth()
+    write_json(out / "truth.json", truth)
+    _write_notes(out, config, inputs, totals)
     return totals
 
 
@@ -300,7 +315,6 @@ def _write_notes(
     out: Path,
     config: RunConfig,
     inputs: list[dict[str, str]],
-    hidden: tuple[HiddenEffect, ...],
     totals: dict[str, float],
 ) -> None:
     write_json(
@@ -314,7 +328,6 @@ def _write_notes(
             **totals,
         },
     )
-    write_json(out / "truth.json", {"effects": [effect.truth() for effect in hidden]})
 
 
 __all__ = ["FIXED_GENOMES", "HALVES", "Case", "Controller", "RunConfig", "RunTables", "simulate"]

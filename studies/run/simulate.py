@@ -98,6 +98,7 @@ def simulate(
     reading: str = "default",
     trials: int = 1,
     genome: str = "paper",
+    build_spread: float = 0.0,
     engine: str = DEFAULT,
     samples: bool = True,
     out: Path | str | None = None,
@@ -118,6 +119,7 @@ def simulate(
         reading: Of the paper: default, literal, neutral, reflect or wrap.
         trials: Embedded trials per genome.
         genome: paper or continuous.
+        build_spread: Relative standard deviation by which robots' parts differ from nominal.
         engine: Physics of the world: pybullet, or mujoco (the extra [mujoco]).
         samples: Keep the measured log.
         out: Directory for the tables, run.json and, apart, truth.json; None: tables in memory.
@@ -139,6 +141,7 @@ def simulate(
         reading=reading,
         trials=trials,
         genome=genome,
+        build_spread=build_spread,
         engine=engine_name(engine),
         samples=samples,
     )
