@@ -19,7 +19,7 @@ from realitygap.studies.blind.conditions.matrix import (
     CONDITIONS,
     ILL,
     STATES,
-    Cell,
+    CellLog,
     matrix_config,
     plan,
 )
@@ -40,7 +40,7 @@ from tests.helpers import ROOT
 STUBBED = ("as-recorded", "row-of-2", "robots-2", "no-sensors")
 
 
-def cells(trials: int = 1, **asked: Any) -> dict[str, Cell]:
+def cells(trials: int = 1, **asked: Any) -> dict[str, CellLog]:
     return {cell.name: cell for cell in plan(matrix_config(trials=trials, **asked))}
 
 
@@ -179,14 +179,14 @@ FLAGS = ("named", "wrong", "silenced", "refused", "crashed", "failing")
     ],
 )
 def test_a_log_counts_as_what_was_said_of_it(
-    cell: Cell, said: dict[str, Any], flags: set[str], accused: int
+    cell: CellLog, said: dict[str, Any], flags: set[str], accused: int
 ) -> None:
     row = log_result(cell, said).row()
     assert {flag for flag in FLAGS if row[flag]} == flags
     assert row["accused"] == accused
 
 
-def scored(cell: Cell, *answers: dict[str, Any]) -> dict[str, Any]:
+def scored(cell: CellLog, *answers: dict[str, Any]) -> dict[str, Any]:
     results = [log_result(cell, one) for one in answers]
     return cells_of(logs_table(results))[0]
 

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from realitygap.studies.blind.conditions.diagnosed import diagnose_cell
-from realitygap.studies.blind.conditions.matrix import CONDITIONS, Cell, MatrixConfig, plan
+from realitygap.studies.blind.conditions.matrix import CONDITIONS, MatrixConfig, plan
 from realitygap.studies.blind.conditions.page import write_pages
 from realitygap.studies.blind.conditions.scores import (
     cells_of,
@@ -50,14 +50,11 @@ def run_matrix(
         TrialsFailed: logs could not be recorded; a failed diagnosis is a result.
         WorkersLost: workers keep dying.
     """
-    with BlindDirectory(out, config, plan(config)).held() as directory:
+    planned = plan(config)
+    with BlindDirectory(out, config, planned).held() as directory:
         do_missing(directory, workers, quiet, diagnosed, diagnose_cell)
-        results = [
-            log_result(cell, answer)
-            for cell, answer in directory.answers()
-            if isinstance(cell, Cell)
-        ]
-        logs = logs_table(results)
+        answers = [answer for _, answer in directory.answers()]
+        logs = logs_table(map(log_result, planned, answers))
         cells = cells_of(logs)
         content = {
             "schema": SCHEMA,

@@ -14,7 +14,7 @@ from typing import Any
 
 import pandas as pd
 
-from realitygap.studies.blind.conditions.matrix import CONDITIONS, Cell
+from realitygap.studies.blind.conditions.matrix import CONDITIONS, CellLog
 from realitygap.studies.blind.examiner import LOG
 from realitygap.studies.blind.record import Task
 from realitygap.studies.inputs.model import Model
@@ -28,7 +28,7 @@ def diagnose_cell(task: Task) -> dict[str, Any]:
     Returns:
         As `record.run_trial`.
     """
-    assert isinstance(task.trial, Cell)
+    assert isinstance(task.trial, CellLog)
     with scratch() as given:
         began = time.perf_counter()
         write_given(task.trial, given)
@@ -42,7 +42,7 @@ def diagnose_cell(task: Task) -> dict[str, Any]:
         }
 
 
-def write_given(cell: Cell, given: Path) -> None:
+def write_given(cell: CellLog, given: Path) -> None:
     """All that a diagnosis is given: the log, and the model if it is not the shipped one.
 
     Args:

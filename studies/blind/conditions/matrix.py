@@ -39,7 +39,7 @@ ROBOTS = 10
 
 
 @dataclass(frozen=True)
-class Condition:
+class LogCondition:
     """One way in which logs come out of laboratories."""
 
     name: str
@@ -53,57 +53,61 @@ class Condition:
     """m that the diagnosis is told; None: it has the shipped model."""
 
 
-def _arena(radius: float) -> tuple[Condition, Condition]:
+def _arena(radius: float) -> tuple[LogCondition, LogCondition]:
     name, run = f"arena-{radius:g}", {"arena_radius": radius}
     told = f"a wall of {radius:g} m radius"
     return (
-        Condition(name, f"{told}, as the model has it", run=run, arena_radius=radius),
-        Condition(f"{name}-unknown", f"{told}; the model has 0.6 m", run=run),
+        LogCondition(name, f"{told}, as the model has it", run=run, arena_radius=radius),
+        LogCondition(f"{name}-unknown", f"{told}; the model has 0.6 m", run=run),
     )
 
 
-def _robots(number: int) -> Condition:
-    return Condition(f"robots-{number}", f"{number} robots", run={"robots": number})
+def _robots(number: int) -> LogCondition:
+    return LogCondition(f"robots-{number}", f"{number} robots", run={"robots": number})
 
 
-CONDITIONS: Mapping[str, Condition] = {
+CONDITIONS: Mapping[str, LogCondition] = {
     one.name: one
     for one in (
-        Condition("as-recorded", "nothing but that nobody says what recorded it"),
-        Condition("row-of-2", "every second row", c.EveryNth(2)),
-        Condition("row-of-4", "every fourth row", c.EveryNth(4)),
-        Condition("rate-10", "interpolated to 10 Hz", c.Resampled(10.0)),
-        Condition("rate-12.5", "interpolated to 12.5 Hz", c.Resampled(12.5)),
-        Condition("rate-20", "interpolated to 20 Hz", c.Resampled(20.0)),
-        Condition("rate-50", "interpolated to 50 Hz", c.Resampled(50.0)),
-        Condition("pose-of-2", "a pose in every second row only", c.PoseEvery(2)),
-        Condition("pose-of-5", "a pose in every fifth row only", c.PoseEvery(5)),
-        Condition("held-2", "every second pose repeats the one before", c.Held(2)),
-        Condition("average-3", "poses averaged over 3 rows, centred", c.Averaged(3)),
-        Condition("average-5", "poses averaged over 5 rows, centred", c.Averaged(5)),
-        Condition("filter-80", "a causal filter of poses, first order, 80 ms", c.Lowpassed(0.08)),
-        Condition("noise-2", "twice the tracker's noise", c.Noisier(2.0)),
-        Condition("noise-4", "four times the tracker's noise", c.Noisier(4.0)),
-        Condition("outliers", "2 % of poses thrown by 0.1 m and 1 rad", c.Outliers(0.02)),
-        Condition("quantised", "in steps of 1 mm and 1 degree", c.Quantised(1e-3, math.radians(1))),
-        Condition("jitter", "stamps off by 5 ms", c.Jittered(0.005)),
-        Condition("merge-nearest", "the nearest command for each pose", c.Merged("nearest")),
-        Condition("merge-backward", "the last command for each pose", c.Merged("backward")),
-        Condition("clock-rate", "a tracker's clock slower by 0.1 %", c.TrackerSlow(1e-3)),
-        Condition("turned-37", "a frame turned by 37 degrees", c.Framed(math.radians(37.0))),
-        Condition("turned-90", "a frame turned by 90 degrees", c.Framed(math.pi / 2.0)),
-        Condition("shifted", "a frame shifted by 2 m along x", c.Framed(shift=(2.0, 0.0))),
-        Condition("scaled", "a tracker whose metre is 1 % short", c.Framed(scale=1.01)),
+        LogCondition("as-recorded", "nothing but that nobody says what recorded it"),
+        LogCondition("row-of-2", "every second row", c.EveryNth(2)),
+        LogCondition("row-of-4", "every fourth row", c.EveryNth(4)),
+        LogCondition("rate-10", "interpolated to 10 Hz", c.Resampled(10.0)),
+        LogCondition("rate-12.5", "interpolated to 12.5 Hz", c.Resampled(12.5)),
+        LogCondition("rate-20", "interpolated to 20 Hz", c.Resampled(20.0)),
+        LogCondition("rate-50", "interpolated to 50 Hz", c.Resampled(50.0)),
+        LogCondition("pose-of-2", "a pose in every second row only", c.PoseEvery(2)),
+        LogCondition("pose-of-5", "a pose in every fifth row only", c.PoseEvery(5)),
+        LogCondition("held-2", "every second pose repeats the one before", c.Held(2)),
+        LogCondition("average-3", "poses averaged over 3 rows, centred", c.Averaged(3)),
+        LogCondition("average-5", "poses averaged over 5 rows, centred", c.Averaged(5)),
+        LogCondition(
+            "filter-80", "a causal filter of poses, first order, 80 ms", c.Lowpassed(0.08)
+        ),
+        LogCondition("noise-2", "twice the tracker's noise", c.Noisier(2.0)),
+        LogCondition("noise-4", "four times the tracker's noise", c.Noisier(4.0)),
+        LogCondition("outliers", "2 % of poses thrown by 0.1 m and 1 rad", c.Outliers(0.02)),
+        LogCondition(
+            "quantised", "in steps of 1 mm and 1 degree", c.Quantised(1e-3, math.radians(1))
+        ),
+        LogCondition("jitter", "stamps off by 5 ms", c.Jittered(0.005)),
+        LogCondition("merge-nearest", "the nearest command for each pose", c.Merged("nearest")),
+        LogCondition("merge-backward", "the last command for each pose", c.Merged("backward")),
+        LogCondition("clock-rate", "a tracker's clock slower by 0.1 %", c.TrackerSlow(1e-3)),
+        LogCondition("turned-37", "a frame turned by 37 degrees", c.Framed(math.radians(37.0))),
+        LogCondition("turned-90", "a frame turned by 90 degrees", c.Framed(math.pi / 2.0)),
+        LogCondition("shifted", "a frame shifted by 2 m along x", c.Framed(shift=(2.0, 0.0))),
+        LogCondition("scaled", "a tracker whose metre is 1 % short", c.Framed(scale=1.01)),
         *_arena(0.5),
         *_arena(0.8),
         *(_robots(number) for number in (1, 2, 3, 6, 15)),
-        Condition("half-unlogged", "every second robot is not in the log", c.without_odd_robots),
-        *(Condition(f"seconds-{s}", f"the first {s} s", c.First(s)) for s in (10, 20, 40)),
-        Condition("no-sensors", "no sensors", c.Without(("ps", "ls", "food", "nest"))),
-        Condition("no-encoders", "no encoders", c.Without(("wheel_",))),
-        Condition("no-yaw", "positions without yaw", c.Without(("yaw",))),
-        Condition("build-0.5", "parts that differ by 0.5 %", run={"build_spread": 0.005}),
-        Condition("build-1", "parts that differ by 1 %", run={"build_spread": 0.01}),
+        LogCondition("half-unlogged", "every second robot is not in the log", c.without_odd_robots),
+        *(LogCondition(f"seconds-{s}", f"the first {s} s", c.First(s)) for s in (10, 20, 40)),
+        LogCondition("no-sensors", "no sensors", c.Without(("ps", "ls", "food", "nest"))),
+        LogCondition("no-encoders", "no encoders", c.Without(("wheel_",))),
+        LogCondition("no-yaw", "positions without yaw", c.Without(("yaw",))),
+        LogCondition("build-0.5", "parts that differ by 0.5 %", run={"build_spread": 0.005}),
+        LogCondition("build-1", "parts that differ by 1 %", run={"build_spread": 0.01}),
     )
 }
 """By name; 120 s and ten robots where nothing else is said."""
@@ -135,7 +139,7 @@ def matrix_config(**values: Any) -> MatrixConfig:
 
 
 @dataclass(frozen=True)
-class Cell(Trial):
+class CellLog(Trial):
     """One log of one cell."""
 
     condition: str = ""
@@ -158,13 +162,13 @@ class Cell(Trial):
         return {**super().notes(), "condition": self.condition, "state": self.state}
 
 
-def plan(config: MatrixConfig) -> tuple[Cell, ...]:
+def plan(config: MatrixConfig) -> tuple[CellLog, ...]:
     """Every log of a matrix, those of one run together.
 
     Each is a function of the seed, its number and its names: more conditions or logs change none.
     """
     chosen = [CONDITIONS[name] for name in dict.fromkeys(config.conditions)]
-    runs: dict[tuple[tuple[str, Any], ...], list[Condition]] = {}
+    runs: dict[tuple[tuple[str, Any], ...], list[LogCondition]] = {}
     for one in chosen:
         runs.setdefault(tuple(one.run.items()), []).append(one)
     return tuple(
@@ -176,7 +180,7 @@ def plan(config: MatrixConfig) -> tuple[Cell, ...]:
     )
 
 
-def _cell(config: MatrixConfig, index: int, state: str, condition: Condition) -> Cell:
+def _cell(config: MatrixConfig, index: int, state: str, condition: LogCondition) -> CellLog:
     """Controller, lamp, seed, the ill robot and what it has are those of all logs of a number."""
     random = np.random.default_rng(np.random.SeedSequence(config.seed, spawn_key=(index,)))
     run = RunConfig(
@@ -193,7 +197,7 @@ def _cell(config: MatrixConfig, index: int, state: str, condition: Condition) ->
     ill = 2 * int(random.random() * math.ceil(run.robots / 2))  # even: logged where half are not
     hidden = {kind: _at_bar(name, ill, random) for kind, name in ILL.items()}
     logged = range(0, run.robots, 2) if condition.change is c.without_odd_robots else None
-    return Cell(
+    return CellLog(
         index=index,
         kind="healthy" if state == "healthy" else "single",
         seconds=SECONDS,

@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from realitygap.studies.blind.conditions.matrix import Cell
+from realitygap.studies.blind.conditions.matrix import CellLog
 from realitygap.studies.blind.limits import share
 from realitygap.studies.blind.scoring import CANNOT_TELL, Score, score
 from realitygap.studies.blind.trials import Hidden
@@ -31,7 +31,7 @@ FLAGS = ("named", "wrong", "silenced", "refused", "crashed", "unexplained")
 class LogResult:
     """One log: what was hidden and what was said."""
 
-    cell: Cell
+    cell: CellLog
     score: Score
     silenced: str
     """Why the log cannot show what is hidden, as the diagnosis says; empty: it does not say so."""
@@ -87,7 +87,7 @@ class LogResult:
         }
 
 
-def log_result(cell: Cell, answer: Mapping[str, Any]) -> LogResult:
+def log_result(cell: CellLog, answer: Mapping[str, Any]) -> LogResult:
     """One log's answer against what was hidden in it."""
     diagnosis, error = answer["diagnosis"], answer["error"] or ""
     silenced = ""
