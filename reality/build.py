@@ -37,7 +37,8 @@ class Build:
 
         Args:
             robots: How many.
-            spread: Relative s.d.; small, so that no factor comes near zero.
+            spread: Relative s.d.; small, so that no factor comes near zero. At 0 factors are 1 and
+                markers sit where they sat, to the last bit.
             seed: Spawned by part.
         """
         wheels, axle, motors, infrared, light, marker = (
@@ -67,12 +68,12 @@ class Build:
         hardware.markers[:, :2] += self.marker
 
     def truth(self) -> dict[str, object]:
-        """What `truth.json` says of it."""
+        """What `truth.json` says of it: nothing where robots are all alike."""
+        if not self.spread:
+            return {}
         parts = ("wheel_radius", "axle", "motor_torque", "ir_gain", "light_gain", "marker")
-        return {
-            "spread": self.spread,
-            "robots": [
-                {"robot": robot, **{part: getattr(self, part)[robot].tolist() for part in parts}}
-                for robot in range(len(self.axle))
-            ],
-        }
+        robots = [
+            {"robot": robot, **{part: getattr(self, part)[robot].tolist() for part in parts}}
+            for robot in range(len(self.axle))
+        ]
+        return {"build": {"spread": self.spread, "robots": robots}}

@@ -56,16 +56,14 @@ class World:
             np.random.default_rng(child) for child in seed.spawn(5)
         )
         hardware = Hardware.nominal(robots)
-        hardware.lamp.power = lamp_power
-        hardware.arena_radius = arena_radius
+        hardware.lamp.power, hardware.arena_radius = lamp_power, arena_radius
         for hidden in effects:
             hidden.hide(hardware)
         if build is not None:
             build.apply(hardware)
         self.robots = robots
-        self.poses: FloatArray = (
-            scatter(robots, places, arena_radius) if poses is None else poses.copy()
-        )
+        start = scatter(robots, places, arena_radius) if poses is None else poses.copy()
+        self.poses: FloatArray = start
         self.infrared = Infrared(hardware, infrared)
         self.light = Light(hardware, light)
         self.tracker = Tracker(hardware, tracker)

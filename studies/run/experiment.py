@@ -176,8 +176,7 @@ def simulate(
     world_seed, swarm_seed, evolution_seed, start_seed, build_seed = np.random.SeedSequence(
         config.seed
     ).spawn(5)
-    spread = config.build_spread
-    build = Build.drawn(config.robots, spread, build_seed) if spread else None
+    build = Build.drawn(config.robots, config.build_spread, build_seed)
     swarm: Swarm | Manoeuvre
     if config.controller.startswith(PREFIX):
         swarm = Manoeuvre(
@@ -220,10 +219,7 @@ def simulate(
         "radio_messages": float(messages),
         "wall_seconds": time.perf_counter() - began,
     }
-    truth: dict[str, object] = {"effects": [effect.truth() for effect in hidden]}
-    if build is not None:
-        truth["build"] = build.truth()
-    write_json(out / "truth.json", truth)
+    write_json(out / "truth.json", {"effects": [one.truth() for one in hidden], **build.truth()})
     _write_notes(out, config, inputs, totals)
     return totals
 

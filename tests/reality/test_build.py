@@ -61,6 +61,15 @@ def test_the_same_seed_builds_the_same_robots_and_twice_the_spread_twice_as_far_
     assert not np.array_equal(once.axle, drawn(10, seed=6).axle)
 
 
+def test_without_a_spread_every_bit_stays() -> None:
+    hardware, build = Hardware.nominal(5), drawn(5, 0.0)
+    build.apply(hardware)
+    nominal = Hardware.nominal(5)
+    for name in ("wheel_radius", "axle", "motor_torque", "ir_amplitude", "light_gain", "markers"):
+        assert getattr(hardware, name).tobytes() == getattr(nominal, name).tobytes()
+    assert build.truth() == {}
+
+
 def test_a_build_multiplies_what_is_there_also_what_is_hidden() -> None:
     hardware, build = Hardware.nominal(3), drawn(3)
     for spec in ("wheel_radius_scale:scale=1.1,robot=1", "tracker_offset:x=0.01,robot=2"):
