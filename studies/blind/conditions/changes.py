@@ -174,15 +174,18 @@ class Merged:
 
 
 @dataclass(frozen=True)
-class TrackerSlow:
-    """The tracker's clock is slower than the robots' by this share; both began together."""
+class TrackerFast:
+    """The tracker's clock is faster than the robots' by this share; both began together.
+
+    A pose that bears a time of the robots is older, and ever more so.
+    """
 
     rate: float
 
     def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
         def drifted(track: pd.DataFrame) -> pd.DataFrame:
             first = track["t"].iloc[0]
-            seen = _at(track, (first + (track["t"] - first) * (1.0 - self.rate)).to_numpy())
+            seen = _at(track, (first + (track["t"] - first) / (1.0 + self.rate)).to_numpy())
             return track.assign(**{name: seen[name].to_numpy() for name in POSE})
 
         return _by_track(log, drifted)

@@ -93,7 +93,7 @@ CONDITIONS: Mapping[str, LogCondition] = {
         LogCondition("jitter", "stamps off by 5 ms", c.Jittered(0.005)),
         LogCondition("merge-nearest", "the nearest command for each pose", c.Merged("nearest")),
         LogCondition("merge-backward", "the last command for each pose", c.Merged("backward")),
-        LogCondition("clock-rate", "a tracker's clock slower by 0.1 %", c.TrackerSlow(1e-3)),
+        LogCondition("clock-rate", "a tracker's clock faster by 0.1 %", c.TrackerFast(1e-3)),
         LogCondition("turned-37", "a frame turned by 37 degrees", c.Framed(math.radians(37.0))),
         LogCondition("turned-90", "a frame turned by 90 degrees", c.Framed(math.pi / 2.0)),
         LogCondition("shifted", "a frame shifted by 2 m along x", c.Framed(shift=(2.0, 0.0))),

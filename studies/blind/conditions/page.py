@@ -45,7 +45,7 @@ CELLS = [
     "pre-flight takes it away, or `detectable` says that only more would have shown. *Refused*: "
     "in one line. *Crashed*: anything else that is no answer; of such logs no robot counts. "
     "*Unexplained*: something is wrong that no known cause explains. A cell is silenced if half "
-    "of its logs or more are silenced or refused without a right name.",
+    "of its logs or more are silenced or refused without a right name. A dash: not tried.",
     f"Bars: at most {ACCUSED} of the healthy robots accused, the right name in {NAMED} of the "
     f"logs that are not silenced, a wrong name in at most {WRONG} of the logs, no crash, and at "
     f"most {SILENCED} of the cells in which something is hidden silenced. {MISSED} marks a cell "
