@@ -310,6 +310,16 @@ def test_answers_do_not_depend_on_the_workers(
     assert made == {name: one for name, one in answers_in(small[0]).items() if name in made}
 
 
+@pytest.mark.blind
+def test_in_logs_as_they_are_recorded_nobody_is_accused_and_each_effect_is_named(
+    tmp_path: Path,
+) -> None:
+    config = matrix_config(trials=1, seed=30101, conditions=("as-recorded",))
+    found = run_matrix(config, tmp_path / "out", Workers(1), quiet=True)["cells"]
+    assert [(one["state"], one["misses"]) for one in found] == [(state, "") for state in STATES]
+    assert [one["named"] for one in found] == [0, 1, 1, 1]
+
+
 def test_the_document_is_of_the_conditions_there_are() -> None:
     text = (ROOT / "docs" / "conditions.md").read_text(encoding="utf-8")
     assert text.startswith(f"# {TITLE}\n\n{MARK}\n"), "copy conditions.md of a whole matrix"

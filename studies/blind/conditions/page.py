@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from textwrap import shorten
 from typing import Any
 
 import pandas as pd
@@ -15,6 +16,8 @@ from realitygap.studies.plumbing.output import whole_file
 
 TITLE = "Logs as labs make them"
 MISSED = "✗"
+SHOWN = 400
+"""Letters of an answer on the page; our choice."""
 MARK = "<!-- Written by `realitygap blind --conditions` as conditions.md; edit the code alone. -->"
 HIDDEN = ", ".join(f"`{name}` ({state})" for state, name in ILL.items())
 HOW = [
@@ -107,7 +110,7 @@ def failures(logs: pd.DataFrame) -> pd.DataFrame:
         {
             "log": bad["condition"] + "-" + bad["state"] + " " + bad["log"].astype(str),
             "hidden": bad["hidden"],
-            "answer": bad["said"],
+            "answer": bad["said"].map(lambda said: shorten(said, SHOWN, placeholder=" ...")),
         }
     )
 
