@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from realitygap.models.log.table_files import RECORDER
@@ -82,6 +82,7 @@ NULLS: dict[str, c.Change] = {
 
 
 @pytest.mark.parametrize("name", NULLS)
+@settings(max_examples=15, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_at_its_null_a_condition_changes_nothing(name: str, seed: int) -> None:
     log = line(rows=20)
@@ -230,6 +231,7 @@ def test_a_quarter_turn_maps_x_to_y() -> None:
     assert off(after["yaw"], log["yaw"] + math.pi / 2.0).max() < 1e-9
 
 
+@settings(deadline=None)
 @given(angle=st.floats(-6.0, 6.0), x=st.floats(-3.0, 3.0), scale=st.floats(0.5, 2.0))
 def test_another_frame_keeps_distances_and_can_be_undone(
     angle: float, x: float, scale: float
