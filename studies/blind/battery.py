@@ -86,7 +86,8 @@ def _refuse_draws(draws: Mapping[str, Any]) -> None:
     for name, value in draws.items():
         if value != BlindConfig.model_fields[name].default:
             option = {"kinds": "kind"}.get(name, name.replace("_", "-"))
-            raise InputError(f"--{option}", value, "nothing with --conditions")
+            got = ", ".join(map(str, value)) if isinstance(value, tuple) else value
+            raise InputError(f"--{option}", got, "nothing with --conditions")
 
 
 def run_battery(

@@ -97,7 +97,7 @@ def test_what_cannot_be_asked_for_is_refused() -> None:
         (("--only", "row-of-3"), "--only"),
         (("--at-bars",), "--at-bars"),
         (("--crowd", "3"), "--crowd"),
-        (("--kind", "pair"), "--kind"),
+        (("--kind", "pair"), "--kind: got pair"),
         (("--leave-one-out",), "--leave-one-out"),
         (("--seconds", "60"), "--seconds"),
         (("--build-spread", "0.01"), "--build-spread"),
@@ -108,7 +108,7 @@ def test_the_command_refuses_what_makes_no_sense_with_conditions(
     words: tuple[str, ...], said: str, tmp_path: Path
 ) -> None:
     asked = ["blind", "--conditions", *words, "--out", str(tmp_path / "out")]
-    with pytest.raises(InputError, match=f"^{said}: got"):
+    with pytest.raises(InputError, match=f"^{said}"):
         CliRunner().invoke(app, asked, catch_exceptions=False, standalone_mode=False)
     assert not (tmp_path / "out").exists()
 
