@@ -113,8 +113,13 @@ def test_the_command_refuses_what_makes_no_sense_with_conditions(
     assert not (tmp_path / "out").exists()
 
 
+MOTION, WELL = cells()["jitter-motion-000"], cells()["jitter-healthy-000"]
+OWN = list(MOTION.hidden[0].robots)
+OTHER = [9]
+
+
 def answer(verdict: str, *causes: tuple[str, Any], size: float | None = 0.004) -> dict[str, Any]:
-    known = {"parameter": "ratio", "unit": "1", "null": 1.0, "size": size, "robot": 0}
+    known = {"parameter": "ratio", "unit": "1", "null": 1.0, "size": size, "robot": OWN[0]}
     return {
         "diagnosis": {
             "verdict": verdict,
@@ -134,6 +139,18 @@ def without(error: str) -> dict[str, Any]:
     return {"diagnosis": None, "error": error}
 
 
+def as_a_rival() -> dict[str, Any]:
+    said = answer("ambiguous", ("wheel_separation", OWN), size=None)
+    said["diagnosis"]["causes"][0]["alternatives"] = [ILL["motion"]]
+    return said
+
+
+def worst_in_another() -> dict[str, Any]:
+    said = answer("nothing_wrong", size=None)
+    said["diagnosis"]["detectable"][ILL["motion"]]["robot"] = OTHER[0]
+    return said
+
+
 def silenced_by_preflight() -> dict[str, Any]:
     said = answer("nothing_wrong")
     entry = {"name": "n", "meaning": "m", "follows": "silences", "why": "rows miss commands"}
@@ -147,9 +164,6 @@ def not_looked_for() -> dict[str, Any]:
     return said
 
 
-MOTION, WELL = cells()["jitter-motion-000"], cells()["jitter-healthy-000"]
-OWN = list(MOTION.hidden[0].robots)
-OTHER = [9]
 RIGHT, WRONG = (ILL["motion"], OWN), ("motor_lag", OTHER)
 FLAGS = ("named", "wrong", "silenced", "refused", "crashed", "failing")
 
@@ -164,6 +178,8 @@ FLAGS = ("named", "wrong", "silenced", "refused", "crashed", "failing")
         (MOTION, answer("nothing_wrong", size=0.0101), {"silenced"}, 0),
         (MOTION, answer("nothing_wrong", size=0.0099), {"failing"}, 0),
         (MOTION, answer("nothing_wrong", size=None), {"silenced"}, 0),
+        (MOTION, as_a_rival(), {"failing"}, 0),
+        (MOTION, worst_in_another(), {"failing"}, 0),
         (MOTION, answer("cannot_tell"), {"silenced"}, 0),
         (MOTION, silenced_by_preflight(), {"silenced"}, 0),
         (MOTION, not_looked_for(), {"silenced"}, 0),

@@ -45,7 +45,8 @@ CELLS = [
     "where something was hidden, logs in which it was rightly named. *Wrong*: logs with a name "
     "that its robots do not have. *Silenced*: logs that cannot show what was hidden, and say so: "
     "the verdict is that the log cannot tell, the cause is not among those looked for, the "
-    "pre-flight takes it away, or `detectable` says that only more would have shown. *Refused*: "
+    "pre-flight takes it away, or `detectable` says that only more would have shown, in a robot "
+    "that has it, without a name or a rival's name for it. *Refused*: "
     "in one line. *Crashed*: anything else that is no answer; of such logs no robot counts. "
     "*Unexplained*: something is wrong that no known cause explains. A cell is silenced if half "
     "of its logs or more are silenced or refused without a right name. A dash: not tried.",

@@ -101,7 +101,9 @@ def silencing(one: Hidden, diagnosis: Mapping[str, Any]) -> str:
     """Why, by a diagnosis's own word, its log cannot show an effect of that size; empty: it could.
 
     The verdict is that it cannot tell; the log's pre-flight takes the cause away; it is not among
-    what this log would have shown; or it would have shown only what is larger.
+    what this log would have shown; or it would have shown only what is larger. The last does not
+    count where the cause is named, or a rival: `detectable` is of what comes on top. Nor does it
+    where another robot is the one that would have shown it worst.
     """
     if diagnosis["verdict"] == CANNOT_TELL:
         return "the log cannot tell"
@@ -111,6 +113,9 @@ def silencing(one: Hidden, diagnosis: Mapping[str, Any]) -> str:
     known = diagnosis["detectable"].get(one.name)
     if known is None:
         return "this cause was not looked for"
+    seen = any(one.name in (c["name"], *c["alternatives"]) for c in diagnosis["causes"])
+    if seen or known["robot"] not in (None, *one.robots):
+        return ""
     if known["size"] is None:
         return "no size of it would have shown"
     departure = abs(float(one.values[known["parameter"]]) - float(known["null"]))
