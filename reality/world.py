@@ -13,6 +13,7 @@ import numpy as np
 from realitygap.embedded_sim.errors import Diverged, InputError
 from realitygap.reality import constants as k
 from realitygap.reality.arena import ForagingArena
+from realitygap.reality.build import Build
 from realitygap.reality.clock import Past
 from realitygap.reality.effects.spec import HiddenEffect
 from realitygap.reality.encoders import Encoders
@@ -34,6 +35,7 @@ class World:
         effects: Sequence[HiddenEffect] = (),
         poses: FloatArray | None = None,
         lamp_power: float = k.LAMP_POWER,
+        build: Build | None = None,
         engine: str = DEFAULT,
         rays: RaysName = DEFAULT_RAYS,
         arena: ForagingArena = NOMINAL,
@@ -46,6 +48,7 @@ class World:
             effects: What to hide in it.
             poses: (robots, 3) m, m, rad to start from; drawn at random when absent.
             lamp_power: counts m^2.
+            build: How the robots differ; None: they are all alike.
             engine: Name of the physics engine.
             rays: Who answers what infrared meets.
             arena: Where they forage.
@@ -60,6 +63,8 @@ class World:
         hardware.lamp.power = lamp_power
         for hidden in effects:
             hidden.hide(hardware)
+        if build is not None:
+            build.apply(hardware)
         self.robots = robots
         self.poses: FloatArray = (
             scatter(robots, places, arena.radius) if poses is None else poses.copy()

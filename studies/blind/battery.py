@@ -2,35 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from contextlib import closing
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from realitygap.embedded_sim.errors import InputError
 from realitygap.reality.engine import DEFAULT, engine_name
 from realitygap.reality.rays import DEFAULT_RAYS, rays_name
+from realitygap.studies.blind.conditions.battery import run_matrix
+from realitygap.studies.blind.conditions.matrix import matrix_config
 from realitygap.studies.blind.directory import BlindDirectory
 from realitygap.studies.blind.examiner import ask
 from realitygap.studies.blind.known import known_effects
-from realitygap.studies.blind.record import Diagnosed, Task, run_trial
+from realitygap.studies.blind.missing import do_missing
+from realitygap.studies.blind.record import Diagnosed, run_trial
 from realitygap.studies.blind.report import write_report
 from realitygap.studies.blind.summary import summarise
 from realitygap.studies.blind.trials import BlindConfig, blind_config, plan
-from realitygap.studies.plumbing.execution import Unfinished, Workers
-from realitygap.studies.plumbing.manifest import made
+from realitygap.studies.plumbing.execution import Workers
 from realitygap.studies.plumbing.output import whole_file
-from realitygap.studies.plumbing.progress import Progress
 from realitygap.studies.plumbing.provenance import write_json
-
-
-class TrialsFailed(Unfinished):
-    """Some trials could not be recorded; the others are kept."""
 
 
 def blind(
     out: Path | str,
     *,
-    trials: int = 200,
+    trials: int | None = None,
     seed: int = 0,
     only: Sequence[str] = (),
     at_bars: bool = False,
@@ -38,6 +35,8 @@ def blind(
     kinds: Sequence[str] = (),
     leave_one_out: bool = False,
     seconds: Sequence[float] = (),
+    build_spread: float = 0.0,
+    conditions: bool = False,
     engine: str = DEFAULT,
     rays: str = DEFAULT_RAYS,
     jobs: int | None = None,
@@ -48,14 +47,16 @@ def blind(
 
     Args:
         out: The battery's directory; an unfinished one is resumed.
-        trials: Runs; a larger number extends a battery.
+        trials: Runs, 200 if absent, or logs of each cell, 10; a larger number extends a battery.
         seed: Everything random follows from it.
-        only: Effects to draw from; all that the diagnosis knows if absent.
+        only: Effects to draw from, or conditions; all that are known if absent.
         at_bars: Every effect exactly at its bar, in 120 s.
         crowd: Robots of a run that each have an effect of their own.
         kinds: healthy, single, swarm, pair or unlisted, in turn; single at the bars, else all.
         leave_one_out: Hide effects whose cause the diagnosis must do without.
         seconds: Lengths of the logs (s); 120 most often, 60 or 240 if absent.
+        build_spread: Relative standard deviation by which robots' parts differ from nominal.
+        conditions: Diagnose one log under many conditions instead (docs/conditions.md).
         engine: Physics of the world: pybullet, pybullet-strict or mujoco.
         rays: Who answers what infrared meets: engine, or closed.
         jobs: Processes; all cores if absent.
@@ -63,26 +64,33 @@ def blind(
         quiet: Otherwise how far it has come is told on standard error.
 
     Returns:
-        The content of `blind.json`.
+        The content of `blind.json`, or of `conditions.json`.
 
     Raises:
         InputError: a value cannot be used, `out` cannot, or the scheduler does not answer.
         Unfinished: trials raised errors of their own; the same call goes on with them.
     """
-    lengths = {"seconds": tuple(seconds)} if seconds else {}
-    config = blind_config(
-        trials=trials,
-        seed=seed,
-        effects=tuple(only) or known_effects(),
-        at_bars=at_bars,
-        kinds=tuple(kinds),
-        leave_one_out=leave_one_out,
-        crowd=crowd,
-        engine=engine_name(engine),
-        rays=rays_name(rays),
-        **lengths,
-    )
-    return run_battery(config, Path(out), Workers.chosen(jobs, scheduler), quiet=quiet)
+    workers = Workers.chosen(jobs, scheduler)
+    common: dict[str, Any] = {"seed": seed, "engine": engine_name(engine), "rays": rays_name(rays)}
+    common |= {} if trials is None else {"trials": trials}
+    draws = {"at_bars": at_bars, "kinds": tuple(kinds), "leave_one_out": leave_one_out}
+    draws |= {"crowd": crowd, "build_spread": build_spread}
+    draws |= {"seconds": tuple(seconds)} if seconds else {}
+    if conditions:
+        _refuse_draws(draws)
+        names = {"conditions": tuple(only)} if only else {}
+        return run_matrix(matrix_config(**common, **names), Path(out), workers, quiet=quiet)
+    config = blind_config(**common, **draws, effects=tuple(only) or known_effects())
+    return run_battery(config, Path(out), workers, quiet=quiet)
+
+
+def _refuse_draws(draws: Mapping[str, Any]) -> None:
+    """Refuse what says how effects are drawn, where none are."""
+    for name, value in draws.items():
+        if value != BlindConfig.model_fields[name].default:
+            option = {"kinds": "kind"}.get(name, name.replace("_", "-"))
+            got = ", ".join(map(str, value)) if isinstance(value, tuple) else value
+            raise InputError(f"--{option}", got, "nothing with --conditions")
 
 
 def run_battery(
@@ -108,38 +116,9 @@ def run_battery(
         WorkersLost: workers keep dying.
     """
     with BlindDirectory(out, config, plan(config)).held() as directory:
-        _execute(directory, workers, quiet, diagnosed)
+        do_missing(directory, workers, quiet, diagnosed, run_trial)
         summary = summarise(directory)
         with whole_file(out / "blind.json", force=True) as part:
             write_json(part, summary)
         write_report(directory, summary)
     return summary
-
-
-def _execute(
-    directory: BlindDirectory, workers: Workers, quiet: bool, diagnosed: Diagnosed
-) -> None:
-    """Do the trials that are missing."""
-    flaws: list[str] = []
-    tasks = [Task(trial, diagnosed) for trial in directory.pending(flaws.append)]
-    if not tasks:
-        return
-    failures = []
-    total = sum(task.trial.seconds for task in tasks)
-    done = 0.0
-    with (
-        Progress("trials", total, quiet) as shown,
-        closing(made(run_trial, tasks, workers, note=shown.say)) as finished,
-    ):
-        for flaw in flaws:
-            shown.say(flaw)
-        for one in finished:
-            trial = one.task.trial
-            done += trial.seconds
-            if one.value is None:
-                failures.append(f"trial {trial.name}: {one.error}")
-            else:
-                directory.keep(trial, one.value)
-            shown.reach(done)
-    if failures:
-        raise TrialsFailed(f"{len(failures)} trials failed, first {failures[0]}")

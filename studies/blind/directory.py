@@ -8,29 +8,32 @@ blind.json, figures/, report.html   made from the trials
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
-from realitygap.studies.blind.trials import BlindConfig, Trial
+from pydantic import BaseModel
+
+from realitygap.studies.blind.trials import Trial
 from realitygap.studies.plumbing.manifest import Pieces
 from realitygap.studies.plumbing.output import whole_file
 from realitygap.studies.plumbing.provenance import as_json_bytes, versions, write_json
 from realitygap.studies.plumbing.resumed import begun_with, check_ours, check_same, locked
 
 TRIAL = "trial.json"
+Config = TypeVar("Config", bound=BaseModel)
 
 
-class BlindDirectory:
+class BlindDirectory(Generic[Config]):
     """The directory, held by one process at a time."""
 
-    def __init__(self, out: Path, config: BlindConfig, trials: tuple[Trial, ...]) -> None:
+    def __init__(self, out: Path, config: Config, trials: Sequence[Trial]) -> None:
         self.out, self.config, self.trials = out, config, trials
         self._pieces = Pieces(out / "trials", "trial")
 
     @contextmanager
-    def held(self) -> Iterator[BlindDirectory]:
+    def held(self) -> Iterator[BlindDirectory[Config]]:
         """Make or resume the directory.
 
         Raises:

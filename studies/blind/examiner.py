@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from realitygap.studies.diagnosis.result import DiagnosisResult
 
 LOG = "samples.parquet"
+MODEL = "extended.toml"
+"""In the directory of a log: what the diagnosis is told of the robots; absent: the e-puck."""
 TIMEOUT = 900.0
 """s for one diagnosis; our choice."""
 TRIES = 3
@@ -123,7 +125,7 @@ def _examiner() -> _Examiner:
 
 
 def ask(given: Path, withheld: tuple[str, ...] = ()) -> Answer:
-    """A diagnosis of the log in a directory where nothing else is.
+    """A diagnosis of the log in a directory where nothing else is but, maybe, a model.
 
     Args:
         given: The directory.
@@ -178,7 +180,8 @@ def _answer(
     os.chdir(given)
     said: Answer
     try:
-        said = dict(diagnose(LOG, without=withheld).content), None
+        model = MODEL if Path(MODEL).is_file() else None
+        said = dict(diagnose(LOG, model=model, without=withheld).content), None
     except Exception as error:
         said = None, f"{type(error).__name__}: {error}"
     answer.write_text(json.dumps(said, allow_nan=False), encoding="utf-8")

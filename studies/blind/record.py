@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from realitygap.studies.blind.examiner import LOG, THREADS, TIMEOUT, Answer, ask
+from realitygap.studies.blind.examiner import LOG, MODEL, THREADS, TIMEOUT, Answer, ask
 from realitygap.studies.blind.trials import Trial
 from realitygap.studies.blind.unlisted import UNLISTED
 from realitygap.studies.plumbing.lifetime import tied
@@ -76,6 +76,7 @@ def diagnose(
         command: What diagnoses, called with the log's name and `--out`.
     """
     words = [word for name in withheld for word in ("--without", name)]
+    words += ["--model", MODEL] if (given / MODEL).is_file() else []
     try:
         done = subprocess.run(
             tied((*command, LOG, "--out", "diagnosis", *words)),

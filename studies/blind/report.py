@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from realitygap.studies.blind.directory import BlindDirectory
 from realitygap.studies.blind.scoring import outcome
 from realitygap.studies.blind.summary import ABSTAINED, Result, results
+from realitygap.studies.blind.trials import BlindConfig
 from realitygap.studies.hidden.menu import MENU
 from realitygap.studies.pages.page import PageTable, Picture, Section, write_page
 from realitygap.studies.plumbing.output import whole_file
@@ -20,7 +21,7 @@ from realitygap.studies.plumbing.output import whole_file
 COLOURS = {"named": "#2a9d8f", "ambiguous": "#f2b134", "no name": "#9aa5b1", "wrong": "#b3261e"}
 
 
-def write_report(directory: BlindDirectory, summary: dict[str, Any]) -> None:
+def write_report(directory: BlindDirectory[BlindConfig], summary: dict[str, Any]) -> None:
     """Draw the figures and write `report.html`."""
     figures = directory.out / "figures"
     figures.mkdir(exist_ok=True)

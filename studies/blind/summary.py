@@ -13,7 +13,7 @@ from realitygap.studies.blind.directory import BlindDirectory
 from realitygap.studies.blind.left_out import quantity_right, unknowns
 from realitygap.studies.blind.limits import LENGTH, detection_limit, share
 from realitygap.studies.blind.scoring import CANNOT_TELL, Score, of_robots, outcome, score
-from realitygap.studies.blind.trials import ENTRIES, Trial
+from realitygap.studies.blind.trials import ENTRIES, BlindConfig, Trial
 from realitygap.studies.hidden.menu import MENU
 from realitygap.studies.plumbing.provenance import versions
 
@@ -37,7 +37,7 @@ class Result:
     """Of an effect without a name: it is said to follow what it follows."""
 
 
-def results(directory: BlindDirectory) -> list[Result]:
+def results(directory: BlindDirectory[BlindConfig]) -> list[Result]:
     """All finished trials, scored; a crowd is one result per robot with an effect, and the rest."""
     found = []
     for trial, answer in directory.answers():
@@ -83,7 +83,7 @@ def _parts(trial: Trial, answer: dict[str, Any]) -> list[tuple[Trial, dict[str, 
     ]
 
 
-def summarise(directory: BlindDirectory) -> dict[str, Any]:
+def summarise(directory: BlindDirectory[BlindConfig]) -> dict[str, Any]:
     """The content of `blind.json`."""
     done = results(directory)
     singles = [r for r in done if r.trial.kind == "single"]

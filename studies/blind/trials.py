@@ -19,7 +19,7 @@ from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.reality.rays import DEFAULT_RAYS, RaysName
 from realitygap.studies.blind.unlisted import UNLISTED
 from realitygap.studies.hidden.menu import MENU, STRANGE, Value
-from realitygap.studies.run.experiment import Case, Controller, RunConfig, Seed
+from realitygap.studies.run.experiment import BuildSpread, Case, Controller, RunConfig, Seed
 from realitygap.studies.run.settings import checked
 
 Kind = Literal["healthy", "single", "pair", "unlisted", "left_out", "rest"]
@@ -58,6 +58,8 @@ class BlindConfig(BaseModel):
     trials: Annotated[int, Field(ge=1, le=100_000)] = 200
     seed: Seed = 0
     robots: Annotated[int, Field(ge=3, le=100)] = 10
+    build_spread: BuildSpread = 0.0
+    """Of every run's robots."""
     engine: EngineName = DEFAULT
     rays: RaysName = DEFAULT_RAYS
     effects: tuple[str, ...] = ()
@@ -272,6 +274,7 @@ def _trial(
         controller=CONTROLLERS[random.integers(len(CONTROLLERS))],
         minutes=seconds / 60.0,
         robots=config.robots,
+        build_spread=config.build_spread,
         seed=int(random.integers(2**31)),
         engine=config.engine,
         rays=config.rays,

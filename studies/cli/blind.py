@@ -10,6 +10,7 @@ import typer
 import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import (
+    BuildSpread,
     Engine,
     Jobs,
     Quiet,
@@ -27,9 +28,12 @@ from realitygap.studies.cli.resume import resumable
 def blind(
     out: Annotated[Path, out_option("The battery's directory; an unfinished one resumes.")],
     trials: Annotated[
-        int,
-        typer.Option(callback=within(1, 100_000), help="Runs; a larger number extends a battery."),
-    ] = 200,
+        int | None,
+        typer.Option(
+            callback=within(1, 100_000),
+            help="Runs (200 if absent), or logs of each cell (10); more extend a battery.",
+        ),
+    ] = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     seed: Seed = 0,
@@ -37,7 +41,7 @@ def blind(
     rays: Rays = "engine",
     only: Annotated[
         list[str] | None,
-        typer.Option(help="Effect to draw from, repeatable; all the diagnosis knows if absent."),
+        typer.Option(help="Effect to draw from, or condition, repeatable; all if absent."),
     ] = None,
     at_bars: Annotated[
         bool, typer.Option("--at-bars", help="Every effect exactly at its bar, in 120 s.")
@@ -65,12 +69,20 @@ def blind(
         list[float] | None,
         typer.Option(help="Length of the logs, repeatable; 120 most often, 60 or 240 if absent."),
     ] = None,
+    build_spread: BuildSpread = 0.0,
+    conditions: Annotated[
+        bool,
+        typer.Option(
+            "--conditions", help="Diagnose one log under many conditions instead, as labs make it."
+        ),
+    ] = False,
     quiet: Quiet = False,
 ) -> Outcome:
     """Hide effects at random, diagnose each log in a process that has nothing else, and score.
 
     Writes blind.json, report.html, figures/ and a file per trial. Stopped or killed, the same
-    command goes on with the trials that are missing.
+    command goes on with the trials that are missing. With --conditions: conditions.json,
+    conditions.md, cells.csv, logs.csv, report.html and a file per log.
     """
     with resumable():
         summary = rg.blind(
@@ -85,10 +97,16 @@ def blind(
             kinds=kind or (),
             leave_one_out=leave_one_out,
             seconds=seconds or (),
+            build_spread=build_spread,
+            conditions=conditions,
             jobs=jobs,
             scheduler=scheduler,
             quiet=quiet,
         )
+    if conditions:
+        told = summary["summary"]
+        line = f"{told['passing']} of {told['cells']} cells pass, {told['silenced']} silenced"
+        return Outcome(summary, line, out / "report.html")
     wrong, healthy = summary["wrong_names"], summary["healthy_robots_accused"]
     line = (
         f"{summary['trials']} trials: {wrong['hits']} of {wrong['trials']} names wrong, "

@@ -85,6 +85,14 @@ Genome = Annotated[
         help="paper: the genes G0 and G1; continuous: also avoidance, phototaxis, search."
     ),
 ]
+BuildSpread = Annotated[
+    float,
+    typer.Option(
+        "--build-spread",
+        help="Relative standard deviation by which robots' parts differ from nominal, as 0.005.",
+    ),
+]
+"""Its bounds are those of `RunConfig`."""
 Jobs = Annotated[
     int | None, typer.Option(callback=within(1, MOST_JOBS), help="Processes; all cores if absent.")
 ]

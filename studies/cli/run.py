@@ -10,6 +10,7 @@ import realitygap as rg
 from realitygap.embedded_sim.manoeuvres import NAMES
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import (
+    BuildSpread,
     Engine,
     Force,
     Genome,
@@ -57,12 +58,13 @@ def run(
     ] = "default",
     trials: Trials = 1,
     genome: Genome = "paper",
+    build_spread: BuildSpread = 0.0,
     engine: Engine = "pybullet",
     rays: Rays = "engine",
     arena_radius: Annotated[
         float,
         typer.Option(
-            help="m, from 0.6 to 10; nest and lamps move out with the wall, food stays as dense."
+            help="m, from 0.4 to 10; nest and lamps move with the wall, food stays as dense."
         ),
     ] = 0.6,
     no_samples: Annotated[bool, typer.Option("--no-samples", help="No samples.parquet.")] = False,
@@ -91,6 +93,7 @@ def run(
             reading=reading,
             trials=trials,
             genome=genome,
+            build_spread=build_spread,
             samples=not no_samples,
             out=out,
             force=force,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
+import subprocess
 from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib.metadata import version
@@ -42,6 +43,19 @@ def _versions() -> tuple[tuple[str, str], ...]:
         *((name, version(name)) for name in names),
         ("program", sources_hash(ROOT / room for room in ROOMS)),
     )
+
+
+@cache
+def commit() -> str | None:
+    """The commit of the sources, with `-dirty` if they differ from it; None: no checkout."""
+    if not (ROOT / ".git").exists():
+        return None
+    words = ("git", "-C", str(ROOT), "describe", "--always", "--dirty", "--exclude=*")
+    try:
+        done = subprocess.run(words, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return done.stdout.strip()
 
 
 def sources_hash(folders: Iterable[Path]) -> str:

@@ -1,7 +1,7 @@
 """One experiment: a swarm forages in reality, its robots evolving on board, all of it logged.
 
 A run is a function of (configuration, seed). One SeedSequence is spawned by purpose: the world, the
-controllers' streams, the robots' evolution, the moments they are switched on.
+controllers' streams, the robots' evolution, the moments they are switched on, how they are built.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from realitygap.embedded_sim.probes import PREFIX, probe
 from realitygap.embedded_sim.reading import Bounding, reading
 from realitygap.reality import constants as k
 from realitygap.reality.arena import ForagingArena
+from realitygap.reality.build import Build
 from realitygap.reality.effects import parse_effects
 from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.reality.hardware import lamp_power
@@ -36,7 +37,7 @@ from realitygap.studies.run.recorder import Recorder, RunTables
 from realitygap.studies.run.wider import widened
 
 if TYPE_CHECKING:
-    from realitygap.reality.effects import Effect, HiddenEffect
+    from realitygap.reality.effects import Effect
 
 Case = Literal[
     "no-light",
@@ -100,6 +101,8 @@ Robots = Annotated[int, Field(ge=1, le=100)]
 MOST_ROBOTS = 1000
 """In a wider one; our choice: five times as many as were tried."""
 Seed = Annotated[int, Field(ge=0, le=2**63 - 1)]
+BuildSpread = Annotated[float, Field(ge=0.0, le=0.1, allow_inf_nan=False)]
+"""Relative s.d.; at most a tenth, so that no part comes near nothing."""
 Trials = Annotated[int, Field(ge=1, le=1000)]
 """Embedded trials per genome."""
 
@@ -129,11 +132,14 @@ class RunConfig(BaseModel):
     """Rule for genes out of range; None: as the reading has it."""
     lamp_range: Annotated[float, Field(ge=0.1, le=10.0)] | None = None
     """m from the lamp at which its contrast fades; None: the nominal lamp."""
+    build_spread: BuildSpread = 0.0
+    """By how much robots of this make differ; 0: they are all alike."""
     engine: EngineName = DEFAULT
     """Of the world's physics."""
     rays: RaysName = DEFAULT_RAYS
-    arena_radius: Annotated[float, Field(ge=k.ARENA_RADIUS, le=10.0)] = k.ARENA_RADIUS
-    """m; nest and lamps move out with the wall, and food stays as dense."""
+    arena_radius: Annotated[float, Field(ge=0.4, le=10.0)] = k.ARENA_RADIUS
+    """m; nest and lamps move with the wall, and food stays as dense. At least, so that food finds
+    room beside the nest."""
 
     @property
     def steps(self) -> int:
@@ -176,9 +182,10 @@ def simulate(
     models = [widened(model, arena) for model in believed.on_board(config.robots)]
     inputs = believed.entries()
     behaviour = Behaviour()
-    world_seed, swarm_seed, evolution_seed, start_seed = np.random.SeedSequence(config.seed).spawn(
-        4
-    )
+    world_seed, swarm_seed, evolution_seed, start_seed, build_seed = np.random.SeedSequence(
+        config.seed
+    ).spawn(5)
+    build = Build.drawn(config.robots, config.build_spread, build_seed)
     swarm: Swarm | Manoeuvre
     if config.controller.startswith(PREFIX):
         swarm = Manoeuvre(
@@ -202,6 +209,7 @@ def simulate(
         effects=hidden,
         poses=swarm.starts if isinstance(swarm, Manoeuvre) else None,
         lamp_power=_lamp_power(config),
+        build=build,
         engine=config.engine,
         rays=config.rays,
         arena=arena,
@@ -221,7 +229,8 @@ def simulate(
         "radio_messages": float(messages),
         "wall_seconds": time.perf_counter() - began,
     }
-    _write_notes(out, config, inputs, hidden, totals)
+    write_json(out / "truth.json", {"effects": [one.truth() for one in hidden], **build.truth()})
+    _write_notes(out, config, inputs, totals)
     return totals
 
 
@@ -312,7 +321,6 @@ def _write_notes(
     out: Path,
     config: RunConfig,
     inputs: list[dict[str, str]],
-    hidden: tuple[HiddenEffect, ...],
     totals: dict[str, float],
 ) -> None:
     write_json(
@@ -326,7 +334,6 @@ def _write_notes(
             **totals,
         },
     )
-    write_json(out / "truth.json", {"effects": [effect.truth() for effect in hidden]})
 
 
 __all__ = ["FIXED_GENOMES", "HALVES", "Case", "Controller", "RunConfig", "RunTables", "simulate"]

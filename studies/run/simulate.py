@@ -129,6 +129,7 @@ def simulate(
     reading: str = "default",
     trials: int = 1,
     genome: str = "paper",
+    build_spread: float = 0.0,
     engine: str = DEFAULT,
     rays: str = DEFAULT_RAYS,
     arena_radius: float = ARENA_RADIUS,
@@ -151,6 +152,7 @@ def simulate(
         reading: Of the paper: default, literal, neutral, reflect or wrap.
         trials: Embedded trials per genome.
         genome: paper or continuous.
+        build_spread: Relative standard deviation by which robots' parts differ from nominal.
         engine: Physics of the world: pybullet, pybullet-strict or mujoco (the extra [mujoco]).
         rays: Who answers what infrared meets: engine, or closed (exact).
         arena_radius: m; nest and lamps move out with the wall, and food stays as dense.
@@ -174,6 +176,7 @@ def simulate(
         reading=reading,
         trials=trials,
         genome=genome,
+        build_spread=build_spread,
         engine=engine_name(engine),
         rays=rays_name(rays),
         arena_radius=arena_radius,

@@ -100,6 +100,19 @@ def test_at_the_bars_every_trial_hides_one_effect_exactly_at_its_bar_in_one_robo
     assert {t.seconds for t in trials} == {120.0}
 
 
+def test_a_batterys_robots_are_built_with_the_spread_asked_for_and_nothing_else_is_drawn() -> None:
+    plain, built = (
+        plan(blind_config(trials=8, seed=4, effects=("motor_lag",), build_spread=spread))
+        for spread in (0.0, 0.005)
+    )
+    assert {trial.run.build_spread for trial in built} == {0.005}
+    for before, after in zip(plain, built, strict=True):
+        assert after.hidden == before.hidden
+        assert after.run.model_copy(update={"build_spread": 0.0}) == before.run
+    with pytest.raises(InputError, match=r"--build-spread: got 0\.5"):
+        blind_config(build_spread=0.5)
+
+
 def test_kinds_of_trials_can_be_asked_for() -> None:
     effects = ("motor_lag", "wheel_separation", "command_latency")
     swarms = plan(blind_config(trials=4, effects=effects, at_bars=True, kinds=("swarm",)))

@@ -11,6 +11,7 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -43,6 +44,28 @@ def test_an_answer_is_what_the_command_writes(given: Path, tmp_path: Path) -> No
     assert answers[0] == answers[2] == (written, None)
     assert answers[1] != answers[0]
     assert [path.name for path in given.iterdir()] == [LOG]
+
+
+def test_a_model_beside_the_log_is_what_the_diagnosis_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By an examiner's fork, and by the command."""
+    monkeypatch.chdir(tmp_path)
+    asked = []
+    for model in (None, "extended.toml"):
+        if model:
+            (tmp_path / model).write_text("")
+        examiner._answer(
+            lambda log, **how: asked.append((log, how["model"])) or SimpleNamespace(content={}),
+            tmp_path,
+            (),
+            tmp_path / "answer.json",
+        )
+    assert asked == [(LOG, None), (LOG, "extended.toml")]
+    code = "import json, os, sys; os.mkdir('diagnosis'); "
+    code += "json.dump(sys.argv[1:], open('diagnosis/diagnosis.json', 'w'))"
+    answer, _ = diagnose(tmp_path, command=(sys.executable, "-c", code))
+    assert answer == [LOG, "--out", "diagnosis", "--model", "extended.toml"]
 
 
 def test_a_log_that_cannot_be_read_is_an_answer(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import subprocess
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -371,3 +372,23 @@ def test_a_log_to_be_diagnosed_says_nothing_of_the_run_in_its_run_column(tmp_pat
     config = RunConfig(minutes=0.02, robots=2, seed=987654321, controller="search")
     simulate(config, (), tmp_path, name=ANONYMOUS)
     assert set(pd.read_parquet(tmp_path / "samples.parquet")["run"]) == {"log"}
+
+
+def test_a_checkout_tells_its_commit_and_anything_else_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = []
+    for there in (False, True):
+        provenance.commit.cache_clear()
+        monkeypatch.setattr(provenance, "ROOT", tmp_path)
+        if there:
+            for words in (("init", "-q"), ("commit", "-q", "--allow-empty", "-m", "first")):
+                who = ("-c", "user.name=a", "-c", "user.email=a@b")
+                subprocess.run(("git", *who, "-C", str(tmp_path), *words), check=True)
+        said.append(provenance.commit())
+    head = ("git", "-C", str(tmp_path), "rev-parse", "HEAD")
+    whole = subprocess.run(head, capture_output=True, text=True, check=True).stdout
+    provenance.commit.cache_clear()
+    assert said[0] is None
+    assert said[1] is not None
+    assert whole.startswith(said[1])
