@@ -14,6 +14,7 @@ from realitygap.models.naming.channels.motion.examination import Examination
 from realitygap.models.naming.channels.senses.joined import WholeExamination
 from realitygap.models.naming.diagnosis import alternatives
 from realitygap.studies.diagnosis import figures, sense_figures
+from realitygap.studies.diagnosis.laws import law_section
 from realitygap.studies.diagnosis.next_experiment import next_section
 from realitygap.studies.diagnosis.words import (
     detectable_sentence,
@@ -81,6 +82,7 @@ def write_report(
     with scratch() as room:
         sections = [
             _found(examined),
+            *law_section(examined.diagnosis.laws, examined.diagnosis.names, room),
             *next_section(
                 examined.diagnosis.proposal,
                 following,

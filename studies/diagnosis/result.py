@@ -19,6 +19,8 @@ from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.provenance import write_json
 
 FILE = "diagnosis.json"
+LAW = ("equation", "reading", "channel", "of", "shape")
+"""Keys of a law that are told of each of its robots."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,6 +93,21 @@ class DiagnosisResult(Telling):
         """
         columns = ["channel", "robots", "quantity", "share", "distance", "where"]
         return rows_table(self.content["unexplained"], columns, ("share", "distance"))
+
+    @property
+    def laws(self) -> pd.DataFrame:
+        """Equations for what is unexplained, a row per robot of each law.
+
+        Columns `equation`, `reading`, `channel`, `of` (what it follows), `shape` (False: shape not
+        found, a curve), `robot`, `value`, `low`, `high` (its amplitude, 95 % interval), `unit`.
+        """
+        rows: list[dict[Hashable, Any]] = [
+            {**{name: law[name] for name in LAW}, **one}
+            for law in self.content.get("laws", ())
+            for one in law["coefficients"]
+        ]
+        columns = [*LAW, "robot", "value", "low", "high", "unit"]
+        return rows_table(rows, columns, ("value", "low", "high"))
 
     @property
     def used(self) -> pd.DataFrame:

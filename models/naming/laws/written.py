@@ -1,0 +1,39 @@
+"""Laws as `diagnosis.json` has them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from realitygap.models.belief.law_words import UNIT, equation
+from realitygap.models.log.named import Names
+from realitygap.models.naming.laws.found import FoundLaw
+
+
+def law_as_json(law: FoundLaw, names: Names) -> dict[str, Any]:
+    """One of `laws` in `diagnosis.json`."""
+    unit = UNIT.get(law.channel, "1")
+    alone = next(iter(law.amounts.values())).value if len(law.amounts) == 1 else None
+    return {
+        "equation": equation(law.channel, law.atoms, alone),
+        "latex": equation(law.channel, law.atoms, alone, latex=True),
+        "reading": law.reading,
+        "channel": law.channel,
+        "of": law.of,
+        "shape": law.shape,
+        "atoms": [
+            {"of": atom.of, "form": atom.form, "parameters": list(atom.parameters)}
+            for atom in law.atoms
+        ],
+        "coefficients": [
+            {"robot": names.key(robot), **amount._asdict(), "unit": unit}
+            for robot, amount in law.amounts.items()
+        ],
+        "robots": "all" if law.whole_swarm else [names.key(robot) for robot in law.amounts],
+        "evidence": {
+            "held_out_gain": law.gain,
+            "best_curve": law.ceiling,
+            "best_decoy": law.decoy,
+            "compared_with": law.compared,
+        },
+        "instead": list(law.instead),
+    }
