@@ -7,8 +7,11 @@ nothing, and such laws are not handed on.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
+
+from realitygap.embedded_sim.errors import InputError
 
 Channel = Literal["left", "right", "both", "speed", "turning", "turn", "bend", "aside"]
 CHANNELS: tuple[Channel, ...] = get_args(Channel)
@@ -61,3 +64,56 @@ class Law:
     amplitude: float
     """In the channel's unit: 1, rad/s (`turn`) or rad/m (`bend`)."""
     atoms: tuple[Atom, ...]
+
+
+SIMULATED = frozenset(QUANTITIES) - {"left_angle", "right_angle", "since"}
+"""Quantities that the simulator knows: a wheel's angle has another phase in every run."""
+MOST_LAWS = 8
+"""Of a drive."""
+MOST_NUMBERS = 20
+"""Of an atom in C."""
+_OF = ("wheel_speed", "speed", "turn", "heading", "radius", "place", "wall", "gap", "time")
+"""In C's order."""
+
+
+def law_struct(law: Law) -> dict[str, Any]:
+    """What a C struct `rg_law` is made of.
+
+    Raises:
+        InputError: a quantity that the simulator does not know, or too many atoms or numbers.
+    """
+    if not 1 <= len(law.atoms) <= 2:
+        raise InputError("drive.laws", f"{len(law.atoms)} atoms", "one or two")
+    return {
+        "channel": CHANNELS.index(law.channel),
+        "atoms": len(law.atoms),
+        "amplitude": law.amplitude,
+        "atom": [_atom_struct(atom) for atom in law.atoms],
+    }
+
+
+def _atom_struct(atom: Atom) -> dict[str, Any]:
+    if atom.of not in _OF:
+        raise InputError("drive.laws", repr(atom.of), f"one of {', '.join(_OF)}")
+    values = list(atom.parameters)
+    angle = {"cosine": 1, "slope": 1, "half": 0}.get(atom.form)
+    if angle is not None and len(values) == 2:
+        values += [math.cos(values[angle]), math.sin(values[angle])]
+    if len(values) > MOST_NUMBERS or len(values) < _LEAST[atom.form]:
+        raise InputError("drive.laws", f"{len(atom.parameters)} numbers", f"those of {atom.form}")
+    form = FORMS.index(atom.form)
+    return {"of": _OF.index(atom.of), "form": form, "numbers": len(values), "number": values}
+
+
+_LEAST: dict[Form, int] = {
+    "power": 2,
+    "sign": 0,
+    "cosine": 4,
+    "slope": 4,
+    "half": 4,
+    "disc": 3,
+    "below": 1,
+    "fade": 1,
+    "curve": 4,
+}
+"""Numbers of a form in C."""

@@ -9,6 +9,8 @@ from realitygap.embedded_sim.laws import Atom, Channel
 
 UNIT: dict[Channel, str] = {"turn": "rad/s", "bend": "rad/m"}
 """Of an amplitude, where it has one; of the others it is a share."""
+NO_LENGTH = 5e-4
+"""m: a place told to three digits is 0 below it."""
 UNKNOWN = "mechanism unknown"
 """What is said where nothing is known to look like it."""
 
@@ -67,26 +69,37 @@ def equation(
     """
     style = 1 if latex else 0
     dot, plus = (r" \, ", r" \mathrel{+}= ") if latex else (" · ", " += ")
-    size = "a" if amplitude is None else f"{amplitude:.3g}"
+    size = "a" if amplitude is None else f"{abs(amplitude):.3g}"
     unit = UNIT.get(channel, "")
     if unit and amplitude is not None:
         size += rf"\,\mathrm{{{unit}}}" if latex else f" {unit}"
-    what = _LEFT[channel][style]
-    terms = [size.replace("-", "-" if latex else "−"), *(_atom(one, style) for one in atoms)]
+    terms = [size, *(_atom(one, style) for one in atoms)]
     if channel in _RIGHT:
         terms.append(_RIGHT[channel][style])
-    joined = dot.join(terms)
+    joined, less = dot.join(terms), amplitude is not None and amplitude < 0.0
+    minus = "-" if latex else "−"
     if channel in ("left", "right", "both", "speed", "turning"):
         times = r" \mathrel{\times}= " if latex else " ×= "
-        return f"{what}{times}1 + {joined}"
-    return f"{what}{plus}{joined}"
+        return f"{_LEFT[channel][style]}{times}1 {minus if less else '+'} {joined}"
+    return f"{_LEFT[channel][style]}{plus}{minus if less else ''}{joined}"
 
 
 def _number(value: float, unit: str, style: int) -> str:
-    text = f"{value:.3g}"
+    text = "0" if unit == "m" and abs(value) < NO_LENGTH else f"{value:.3g}"
     if not unit:
         return text
     return rf"{text}\,\mathrm{{{unit}}}" if style else f"{text} {unit}"
+
+
+def _along(direction: float) -> str:
+    """Distance along a direction."""
+    c, s = round(math.cos(direction), 2), round(math.sin(direction), 2)
+    sizes = ("" if abs(v) == 1.0 else f"{abs(v):.2f} " for v in (c, s))
+    parts = [f"{size}{name}" for size, name in zip(sizes, "xy", strict=True)]
+    if c == 0.0:
+        return parts[1] if s > 0.0 else f"-{parts[1]}"
+    first = parts[0] if c > 0.0 else f"-{parts[0]}"
+    return first if s == 0.0 else f"{first} {'+' if s > 0.0 else '-'} {parts[1]}"
 
 
 def _atom(atom: Atom, style: int) -> str:
@@ -114,8 +127,7 @@ def _atom(atom: Atom, style: int) -> str:
         return f"{cos}({inner}{last if own else f' {sign} {abs(phase):.3g}'})"
     if form in ("slope", "half"):
         direction = p[1] if form == "slope" else p[0]
-        c, s = math.cos(direction), math.sin(direction)
-        along = f"{c:.2f} x {'+' if s >= 0.0 else '-'} {abs(s):.2f} y"
+        along = _along(direction)
         if form == "slope":
             return f"({along}) / {_number(p[0], unit, style)}"
         return f"[{along} {more} {_number(p[1], unit, style)}]"
@@ -202,7 +214,7 @@ def _where(atom: Atom) -> str:
     if atom.form == "disc":
         return f"within {p[2]:.3g} m of ({p[0]:.3g}, {p[1]:.3g})"
     if atom.form == "half":
-        return f"on one side of a line, {p[1]:.3g} m from the middle"
+        return f"where {_along(p[0])} > {_number(p[1], 'm', 0)}"
     if atom.form == "below":
         return f"{name[atom.of]}, within {1e3 * p[0]:.0f} mm"
     if atom.form == "cosine":

@@ -20,7 +20,7 @@ from realitygap.models.log.used import Used
 from realitygap.models.naming.claims.written import written
 from realitygap.models.naming.findings import Named
 from realitygap.models.naming.laws.found import FoundLaw
-from realitygap.models.naming.laws.written import law_as_json
+from realitygap.models.naming.laws.written import law_as_json, law_table
 from realitygap.models.naming.proposal.menu import Proposal
 from realitygap.models.naming.rules import Rules
 
@@ -212,7 +212,10 @@ def _detectable(one: Detectable, names: Names) -> dict[str, Any]:
 
 
 def extension(found: Diagnosis, *, log_hash: str, command: str) -> Extension:
-    """The named causes that are exported, as a model file's `[extension]`."""
+    """The causes and laws that are exported, as a model file's `[extension]`."""
     causes = (written(one, one.values) for one in found.named if one.exported)
+    laws = (law_table(one) for one in found.laws if one.exported)
     known = {name: robot for robot, name in found.names.items()}
-    return Extension(log=log_hash, command=command, causes=tuple(causes), names=known)
+    return Extension(
+        log=log_hash, command=command, causes=tuple(causes), laws=tuple(laws), names=known
+    )

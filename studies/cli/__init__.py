@@ -36,6 +36,7 @@ COMMANDS = (
     "diagnose",
     "gain",
     "effects",
+    "laws",
     "rules",
     "blind",
     "measure",

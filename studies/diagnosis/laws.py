@@ -42,6 +42,7 @@ def law_section(laws: Sequence[FoundLaw], names: Names, room: Path) -> list[Sect
             ),
             "it may mean": one.reading if one.shape else f"{one.reading}; shape not found",
             "could also be": "; ".join(one.instead) or None,
+            "in extended.toml": "yes" if one.exported else one.why,
             "deviance taken off, held out": f"{one.gain:.0f}",
             "of the best curve": f"{one.ceiling:.0f}",
             "of the best decoy": f"{one.decoy:.0f}",

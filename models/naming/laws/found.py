@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from realitygap.embedded_sim.laws import Atom, Channel, Quantity
@@ -44,3 +44,9 @@ class FoundLaw:
     """Other robots of the log that were asked for the same law."""
     instead: tuple[str, ...] = ()
     """Laws that the log cannot tell from it, as equations without an amplitude."""
+    errors: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """By key of `claims.ahead.KEYS`, what its robots are off in the mean without and with it."""
+    exported: bool = True
+    """Whether the extended model holds it."""
+    why: str = ""
+    """Why not, where it does not."""

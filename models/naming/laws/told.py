@@ -5,21 +5,37 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import pandas as pd
+
+from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.naming.channels.motion.examination import Examination
+from realitygap.models.naming.claims.ahead import Ahead
+from realitygap.models.naming.claims.written import written
 from realitygap.models.naming.diagnosis import Unexplained
 from realitygap.models.naming.engine.state import State
 from realitygap.models.naming.engine.threads import one_thread
 from realitygap.models.naming.laws.found import FoundLaw
 from realitygap.models.naming.laws.search import LawRoom, hunted
+from realitygap.models.naming.laws.useful import useful
 
 
-def with_laws(examined: Examination) -> Examination:
-    """The examination with laws of what its motion leaves unexplained; nothing is asked else."""
+def with_laws(examined: Examination, log: MeasuredLog, table: pd.DataFrame) -> Examination:
+    """The examination with laws of what its motion leaves unexplained; nothing is asked else.
+
+    Args:
+        examined: With what it claims of causes.
+        log: Of which.
+        table: The log's conditions.
+    """
     state = examined.identified.state
     identified = replace(examined.identified, state=None)
     said = examined.diagnosis
     if state is not None and said.unexplained:
-        said = replace(said, laws=_laws(state, said.unexplained))
+        laws = _laws(state, said.unexplained)
+        causes = [written(one, one.values) for one in said.named if one.exported]
+        if laws:
+            laws = useful(Ahead(log, table), examined.model, causes, laws, said.rules)
+        said = replace(said, laws=laws)
     return replace(examined, identified=identified, diagnosis=said)
 
 

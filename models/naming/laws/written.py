@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from realitygap.models.belief.law_tables import LawAmplitude, LawAtom, WrittenLaw
 from realitygap.models.belief.law_words import UNIT, equation
 from realitygap.models.log.named import Names
 from realitygap.models.naming.laws.found import FoundLaw
@@ -36,4 +37,35 @@ def law_as_json(law: FoundLaw, names: Names) -> dict[str, Any]:
             "compared_with": law.compared,
         },
         "instead": list(law.instead),
+        "errors": {
+            name: {"before": before, "after": after, "unit": _unit(name)}
+            for name, (before, after) in law.errors.items()
+        },
+        "exported": law.exported,
+        "why": law.why or None,
     }
+
+
+def _unit(name: str) -> str:
+    return "m" if name.startswith("position") else "rad"
+
+
+def law_table(law: FoundLaw) -> WrittenLaw:
+    """A law as an extension has it; of the whole swarm also for robots that were not there."""
+    unit = UNIT.get(law.channel, "1")
+    told = [
+        LawAmplitude(robot=robot, value=one.value, low=one.low, high=one.high)
+        for robot, one in law.amounts.items()
+    ]
+    if law.whole_swarm:
+        mean = sum(one.value for one in law.amounts.values()) / len(law.amounts)
+        told.append(LawAmplitude(value=mean))
+    return WrittenLaw(
+        channel=law.channel,
+        robots="all" if law.whole_swarm else tuple(law.amounts),
+        unit=unit,
+        atoms=tuple(
+            LawAtom(of=atom.of, form=atom.form, parameters=atom.parameters) for atom in law.atoms
+        ),
+        amplitudes=tuple(told),
+    )

@@ -83,7 +83,7 @@ def diagnose(
             reference="" if reference is None else reference.model,
         ),
     )
-    return with_laws(claimed(examined, log, table, seed=seed))
+    return with_laws(claimed(examined, log, table, seed=seed), log, table)
 
 
 def _not_checked(tracks: Tracks, reference: Reference | None) -> tuple[str, ...]:

@@ -29,6 +29,7 @@ def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
             cut,
             motion.drive,
             motion.motor_delay + motion.pose_delay,
+            tracks.seen[begin:end] if motion.drive.laws else None,
         )
         path[begin:end] = recorded(tracks.t[begin:end], path[begin:end], cut, motion)
     seen = path[tracks.rows]
@@ -55,7 +56,7 @@ def wheel_angles(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
         for side in (0, 1):
             # a body with one wheel of 1 m and an axle of 1 m turns as that wheel does
             radius = (0.0, 1.0) if side else (-1.0, 0.0)
-            alone = with_changes(drive, wheel_radius=radius, axle=1.0)
+            alone = with_changes(drive, wheel_radius=radius, axle=1.0, laws=())
             turned = driven(
                 tracks.t[begin:end],
                 tracks.commands[begin:end],
