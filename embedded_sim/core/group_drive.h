@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "group_laws.h"
 #include "group_state.h"
-#include "laws.h"
 
 /* rg_wheel_advance */
 RG_INLINE rg_v rg_wheel_advance_v(const rg_drive *d, int side, rg_v *speed, rg_v command,
@@ -44,35 +44,23 @@ RG_INLINE rg_v rg_wheel_advance_v(const rg_drive *d, int side, rg_v *speed, rg_v
     return rg_pick(limited, 0.5 * (start + end) * h, target * h - 0.5 * step * size / most);
 }
 
-/* rg_obey, lane by lane. */
-static void rg_obey_v(const rg_drive *d, const rg_group *g, double h, double time, rg_v left,
-                      rg_v right, rg_v *ahead, rg_v *turn, rg_v *aside) {
-    for (int l = 0; l < RG_LANES; l++) {
-        const rg_place_of at = {g->x[l], g->y[l], g->cosine[l], g->sine[l], INFINITY, time};
-        const rg_moved moved = rg_obey(d, &at, h, left[l], right[l]);
-        (*ahead)[l] = moved.ahead;
-        (*turn)[l] = moved.turn;
-        (*aside)[l] = moved.aside;
-    }
-}
-
 /* Drive a part of a step under one command: rg_wheel_advance and rg_arc, or rg_arc_of. */
 RG_INLINE void rg_drive_part_v(const rg_drive *d, rg_group *g, const rg_v *command,
                                const rg_part *part, double time) {
     const rg_v left = rg_wheel_advance_v(d, 0, &g->speed[0], command[0], part, time);
     const rg_v right = rg_wheel_advance_v(d, 1, &g->speed[1], command[1], part, time);
     const rg_v sl = d->wheel_radius[0] * left, sr = d->wheel_radius[1] * right;
-    rg_v ahead = 0.5 * (sl + sr), turn = (sr - sl) / d->axle, aside = {0};
+    rg_moved_v moved = {0.5 * (sl + sr), (sr - sl) / d->axle, {0}};
     if (d->laws > 0)
-        rg_obey_v(d, g, part->h, time, left, right, &ahead, &turn, &aside);
-    const rg_v half = 0.5 * turn;
+        moved = rg_obey_v(d, g, part->h, time, left, right);
+    const rg_v half = 0.5 * moved.turn;
     rg_v sinc, cosine;
     rg_turn_v(half, &sinc, &cosine);
-    const rg_v sine = half * sinc, chord = ahead * sinc;
+    const rg_v sine = half * sinc, chord = moved.ahead * sinc;
     const rg_v c = g->cosine, s = g->sine;
     const rg_v to_x = c * cosine - s * sine, to_y = s * cosine + c * sine;
     if (d->laws > 0) {
-        const rg_v across = aside * sinc;
+        const rg_v across = moved.aside * sinc;
         g->x += chord * to_x - across * to_y;
         g->y += chord * to_y + across * to_x;
     } else {

@@ -88,7 +88,7 @@ static inline double rg_atom_value(const rg_drive *d, const rg_atom *a, const rg
     case RG_BELOW:
         return of < p[0] ? 1.0 : 0.0;
     case RG_FADE:
-        return rg_decay(rg_max(of, 0.0) / p[0]);
+        return rg_decay((of > 0.0 ? of : 0.0) / p[0]);
     default:
         return rg_curve(a, of);
     }
@@ -135,11 +135,16 @@ static inline rg_moved rg_obey(const rg_drive *d, const rg_place_of *at, double 
             continue;
         }
         const double strength = rg_strength(d, law, &q);
-        ahead += law->channel == RG_SPEED ? strength : 0.0;
-        turning += law->channel == RG_TURNING ? strength : 0.0;
-        turn += law->channel == RG_TURN ? strength * h : 0.0;
-        turn += law->channel == RG_BEND ? strength * fabs(plain.ahead) : 0.0;
-        aside += law->channel == RG_ASIDE ? strength * plain.ahead : 0.0;
+        if (law->channel == RG_SPEED)
+            ahead += strength;
+        else if (law->channel == RG_TURNING)
+            turning += strength;
+        else if (law->channel == RG_TURN)
+            turn += strength * h;
+        else if (law->channel == RG_BEND)
+            turn += strength * fabs(plain.ahead);
+        else
+            aside += strength * plain.ahead;
     }
     for (int side = 0; side < 2; side++)
         way[side] *= 1.0 + share[side];

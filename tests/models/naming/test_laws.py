@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, cast
 
@@ -10,14 +10,16 @@ import numpy as np
 import pytest
 
 import realitygap as rg
-from realitygap.embedded_sim.laws import Atom
+from realitygap.embedded_sim.laws import CHANNELS, Atom, Channel, Law
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.law_values import product, value
 from realitygap.models.belief.law_words import equation, reading
-from realitygap.models.naming.channels.motion.robot import Robot
+from realitygap.models.naming.channels.motion.robot import Robot, robots_of
+from realitygap.models.naming.channels.motion.tracks import cut_tracks
 from realitygap.models.naming.engine.fitter import FOLDS
 from realitygap.models.naming.engine.marginal import Prior
 from realitygap.models.naming.laws import told
+from realitygap.models.naming.laws.columns import LawColumns
 from realitygap.models.naming.laws.judged import Panel
 from realitygap.models.naming.laws.selection import guarded
 from tests.golden.answers import log_file
@@ -91,6 +93,35 @@ def test_both_phases_of_a_swing_are_judged_at_once() -> None:
     panel, pair = panel_of(robot, prior), np.column_stack([law, other])
     told_ = panel.told(panel.sums(pair, together=True))
     np.testing.assert_allclose(panel.gains(pair[:, :, None])[:, 0], told_.gain, rtol=1e-4)
+
+
+@cache
+def robot() -> Robot:
+    """Of a healthy log, at the minimal model's motion."""
+    log = rg.read_log(log_file("healthy-search-no-light"))
+    tracks = cut_tracks(log.measured, log.model.file)
+    motions = [log.model.file.motion() for _ in tracks.robots]
+    return robots_of(tracks, motions, doses=False)[0]
+
+
+@pytest.mark.parametrize("channel", CHANNELS)
+@pytest.mark.parametrize(
+    "atom",
+    [
+        Atom("heading", "cosine", (1.0, 0.4)),
+        Atom("radius", "power", (0.5, 2.0)),
+        Atom("time", "fade", (20.0,)),
+    ],
+    ids=lambda one: one.of,
+)
+def test_a_column_is_what_a_replay_with_the_law_changes(channel: Channel, atom: Atom) -> None:
+    """Carried through the predicted path, against the C core with a small amplitude."""
+    shown = LawColumns(robot())
+    column = shown.white(channel, shown.strength(channel, (atom,))[:, :, None])[:, 0]
+    motion, size = robot().motion, 1e-3
+    drive = replace(motion.drive, laws=(Law(channel, size, (atom,)),), reach=0.565, body=0.035)
+    moved = (robot().own_errors - robot().errors(replace(motion, drive=drive))) / size
+    assert np.linalg.norm(column - moved) < 0.06 * np.linalg.norm(moved)
 
 
 def test_intervals_of_amplitudes_hold() -> None:
