@@ -142,7 +142,7 @@ def _atom(atom: Atom, style: int) -> str:
         return f"[{symbol} {less} {_number(p[0], unit, style)}]"
     if form == "fade":
         return f"{exp}(-{symbol} / {_number(p[0], unit, style)})"
-    return f"f({symbol})"
+    return f"f({'x, y' if atom.of == 'place' else symbol})"
 
 
 def size_in_words(channel: Channel, value: float, low: float, high: float) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from realitygap.embedded_sim.laws import Atom
 from realitygap.models.belief.law_values import value
 from realitygap.models.belief.law_words import SYMBOLS, equation, size_in_words
 from realitygap.models.log.named import Names
@@ -35,7 +36,8 @@ def law_section(laws: Sequence[FoundLaw], names: Names, room: Path) -> list[Sect
         return []
     rows = [
         {
-            "law": equation(one.channel, one.atoms) if one.atoms else f"{one.channel}: no shape",
+            "law": equation(one.channel, one.atoms or (Atom(one.of, "curve"),)),
+            "robots": "all" if one.whole_swarm else ", ".join(names[k] for k in one.robots),
             "a (95 % interval)": "; ".join(
                 f"robot {names[robot]}: {size_in_words(one.channel, *amount)}"
                 for robot, amount in one.amounts.items()

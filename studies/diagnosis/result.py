@@ -99,12 +99,13 @@ class DiagnosisResult(Telling):
         """Equations for what is unexplained, a row per robot of each law.
 
         Columns `equation`, `reading`, `channel`, `of` (what it follows), `shape` (False: shape not
-        found, a curve), `robot`, `value`, `low`, `high` (its amplitude, 95 % interval), `unit`.
+        found, a curve), `robot` (missing: of no one quantity), `value`,
+        `low`, `high` (its amplitude, 95 % interval), `unit`.
         """
         rows: list[dict[Hashable, Any]] = [
             {**{name: law[name] for name in LAW}, **one}
             for law in self.content.get("laws", ())
-            for one in law["coefficients"]
+            for one in law["coefficients"] or [{}]
         ]
         columns = [*LAW, "robot", "value", "low", "high", "unit"]
         return rows_table(rows, columns, ("value", "low", "high"))

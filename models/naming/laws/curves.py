@@ -13,6 +13,7 @@ import numpy as np
 
 from realitygap.embedded_sim.laws import Atom, Channel, Quantity
 from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.naming.engine.marginal import EMPTY
 from realitygap.models.naming.laws.judged import Judgement, Sums
 from realitygap.models.naming.laws.selection import LawRobot, guarded
 
@@ -36,7 +37,7 @@ class CurveOf(NamedTuple):
     channel: Channel
     of: Quantity
     atom: Atom | None
-    """Its values; None: it is a surface over the floor, or of a wheel's angle."""
+    """Its values, the largest 1; None: it is a surface over the floor, or of a wheel's angle."""
     gain: FloatArray
     """(folds,) deviance taken off held-out blocks."""
 
@@ -74,6 +75,7 @@ def _atom(of: Quantity, span: tuple[float, float], told: Sequence[Judgement]) ->
     information = np.sum([one.information for one in told], axis=0)
     slope = np.sum([one.slope for one in told], axis=0)
     values = np.linalg.lstsq(information, slope, rcond=None)[0]
+    values = values / max(float(np.abs(values).max()), EMPTY)
     if of == "heading":
         values = np.append(values, values[0])
     return Atom(of, "curve", (*span, *(float(v) for v in values)))

@@ -27,15 +27,18 @@ class FoundLaw:
     """What it follows."""
     atoms: tuple[Atom, ...]
     """Of a shape that was not found its curve; none where it cannot be drawn over one quantity."""
+    robots: tuple[int, ...]
+    """That have it."""
     amounts: Mapping[int, Amount]
-    """By robot."""
+    """By robot; empty where there are no atoms."""
     shape: bool
     """Whether its shape was found."""
     whole_swarm: bool
     reading: str
     """What it may mean."""
     gain: float
-    """Deviance that it takes off blocks that it was not fitted to, its best fold as the others."""
+    """Deviance that it takes off blocks that it was not fitted to, its best fold as the others, of
+    at most four robots."""
     ceiling: float
     """The same of the best curve of any quantity."""
     decoy: float

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from copy import copy
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from realitygap.embedded_sim.laws import QUANTITIES
+from realitygap.embedded_sim.laws import QUANTITIES, Atom
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.law_words import equation, reading
-from realitygap.models.naming.channels.motion.noise import learn
 from realitygap.models.naming.channels.motion.robot import Robot
-from realitygap.models.naming.engine.marginal import EMPTY, Prior, root_of
-from realitygap.models.naming.engine.state import SWARM, State, with_kept
-from realitygap.models.naming.engine.weighed import Weighed
+from realitygap.models.naming.engine.marginal import EMPTY
 from realitygap.models.naming.laws.columns import LawColumns
 from realitygap.models.naming.laws.curves import CurveOf, curve
+from realitygap.models.naming.laws.decoys import of_another, shifted
 from realitygap.models.naming.laws.found import Amount, FoundLaw
 from realitygap.models.naming.laws.grammar import Candidate, candidates
 from realitygap.models.naming.laws.judged import Panel
+from realitygap.models.naming.laws.room import LawRoom, relearned
 from realitygap.models.naming.laws.selection import (
     LawRobot,
     Offered,
@@ -50,7 +48,8 @@ ODDS = 6.0
 MOST_LAWS = 2
 """Of the same robots."""
 MANY = 4
-"""Robots from which on fewer decoys are asked: each tells as much as several of one robot."""
+"""Robots that are searched, the first ones of those concerned; all of them are fitted. From as many
+on fewer decoys are asked."""
 LIKE = 0.5
 """Of a law's amplitude, least that another robot has that has it as well."""
 LEAST_OTHERS = 2
@@ -69,34 +68,6 @@ class Stated(NamedTuple):
     told: FoundLaw
     like: frozenset[int]
     """Other robots of the log that have it as well."""
-
-
-class LawRoom:
-    """What is known of a log when laws are asked for: its robots with their causes, and health."""
-
-    def __init__(self, state: State) -> None:
-        for scope in (SWARM, *range(len(state.robots))):
-            causes = [one for one in state.of(scope) if one.item.term is not None]
-            state = with_kept(state, scope, causes)
-        self.state, self._weighed = state, Weighed(state)
-        self.robots = [one for one in state.robots if isinstance(one, Robot)]
-        self.seconds = max(float(np.ptp(state.tracks.t)), 1.0)
-
-    def prior(self, k: int, *, shared: bool) -> Prior:
-        """What is believed of a robot's coefficients, `shared`: by itself, not beside its swarm."""
-        weighed = self._weighed
-        prior = weighed.prior_of(k) if shared else weighed.prior_beside(k)
-        own = prior.root @ prior.root.T
-        if shared:
-            own = own + np.diag(weighed.unfitted[prior.at] ** 2)
-        robot = self.state.robots[k]
-        free = np.zeros(len(prior.at))
-        for scope in (SWARM, k):
-            for one in self.state.of(scope):
-                for i, column in enumerate(prior.at):
-                    if robot.names[column].partition(".")[0] == one.item.of.key:
-                        free[i] = 1e4 / max(robot.information[column, column], 1e-9)
-        return prior._replace(root=root_of(own + np.diag(free)))
 
 
 class Hunt:
@@ -121,15 +92,17 @@ class Hunt:
             one = self._next(kept)
             if one is None or one.told.gain < SECOND * first:
                 return
+            if kept and not one.told.shape:
+                return
             first = first or one.told.gain
             kept.append(one.law)
             yield one
+            if not one.told.shape:  # what it leaves is no law's
+                return
 
     def _next(self, kept: Sequence[Candidate]) -> Stated | None:
         """The next law beside others; None: there is none."""
-        robots = self._at(kept, ())
-        some = robots[:MANY]
-        best = explored(some, self.laws, self.room.seconds)
+        best = explored(self._at(kept, (), MANY), self.laws, self.room.seconds)
         best = [one for one in best if one.worth > LEAST]
         if not best:
             return None
@@ -139,15 +112,17 @@ class Hunt:
         offered = [_of_all(robots, one.law) for one in fitted] if len(robots) > MANY else fitted
         return self._weighed(robots, sorted(offered, key=lambda one: -one.worth), kept)
 
-    def _at(self, kept: Sequence[Candidate], more: Sequence[Candidate]) -> list[LawRobot]:
+    def _at(
+        self, kept: Sequence[Candidate], more: Sequence[Candidate], most: int | None = None
+    ) -> list[LawRobot]:
         """The robots, noise learned with laws free, and the kept ones free beside any other."""
         if not kept and not more:
-            return self.robots
+            return self.robots[:most]
         made = []
-        for k, robot in zip(self.who, self.robots, strict=True):
+        for k, robot in list(zip(self.who, self.robots, strict=True))[:most]:
             shown = robot.shown
             every = [shown.change(one.channel, robot.strength(one)) for one in (*kept, *more)]
-            fresh = _relearned(self.room.robots[k], np.concatenate(every, axis=2))
+            fresh = relearned(self.room.robots[k], np.concatenate(every, axis=2))
             beside = [fresh.white(own) for own in every[: len(kept)]]
             made.append(self._seen(k, fresh, beside))
         return made
@@ -158,10 +133,12 @@ class Hunt:
         """The best law, or the curve that does clearly better, where decoys and others do not."""
         best = _plainest(offered)
         rivals = [one for one in offered if one is not best and _close(one, best)]
-        top = self._ceiling(robots, offered)
-        shape = top is None or best.worth >= CEILING * top.worth
+        some = robots[:MANY]
+        top = self._ceiling(some, offered)
+        worth = _of_all(some, best.law).worth
+        shape = top is None or worth >= CEILING * top.worth
         law = phased(robots, best.law)
-        atoms, channel, of, worth = law.atoms[:1], law.channel, law.atoms[0].of, best.worth
+        atoms, channel, of = law.atoms[:1], law.channel, law.atoms[0].of
         if not shape:
             assert top is not None
             atoms = () if top.atom is None else (top.atom,)
@@ -176,14 +153,16 @@ class Hunt:
         like = {k for k, one in others.items() if _alike(one, amounts)}
         if worth < max(LEAST, BEYOND * decoy) or not (like or _beyond(amounts, others)):
             return None
+        radius = float(np.mean(robots[0].shown.robot.motion.drive.wheel_radius))
         told = FoundLaw(
             channel=channel,
             of=of,
             atoms=atoms,
-            amounts=amounts,
+            robots=tuple(amounts),
+            amounts=amounts if atoms else {},
             shape=shape,
             whole_swarm=len(self.who) == len(self.room.robots) > 1,
-            reading=reading(channel, atoms, _largest(amounts), self._wheel_radius),
+            reading=reading(channel, atoms or (Atom(of, "curve"),), _largest(amounts), radius),
             gain=worth,
             ceiling=worth if top is None else top.worth,
             decoy=decoy,
@@ -191,10 +170,6 @@ class Hunt:
             instead=tuple(equation(*phased(robots, one.law)) for one in rivals) if shape else (),
         )
         return Stated(law, told, frozenset(like))
-
-    @property
-    def _wheel_radius(self) -> float:
-        return float(np.mean(self.robots[0].shown.robot.motion.drive.wheel_radius))
 
     def _ceiling(self, robots: Sequence[LawRobot], offered: Sequence[Offered]) -> CurveOf | None:
         """The best curve of a quantity, in the channels of the best laws."""
@@ -206,21 +181,21 @@ class Hunt:
 
     def _decoys(self, kept: Sequence[Candidate], law: Candidate) -> float:
         """The most that a law of a quantity takes off that cannot be behind it, beside the law."""
-        robots = self._at((*kept, law), ())
+        robots = self._at((*kept, law), (), MANY)
         tried = [one for one in self.laws if one.atoms[0].of not in ("time", "since")]
         shifts = (0.3, 0.6) if len(robots) >= MANY else (0.2, 0.4, 0.6, 0.8)
         most = 0.0
         for shift in shifts:
-            moved = [replace(one, shown=_shifted(one.shown, shift)) for one in robots]
+            moved = [replace(one, shown=shifted(one.shown, shift)) for one in robots]
             most = max(most, scanned(moved, tried)[0].worth)
         strangers = [k for k in range(len(self.room.robots)) if k not in self.who or self.shared]
         if strangers:
             moved = []
-            for k, one in zip(self.who, robots, strict=True):
+            for k, one in zip(self.who, robots, strict=False):
                 other = next((s for s in strangers if s != k), None)
                 if other is not None:
                     known = LawColumns(self.room.robots[other])
-                    moved.append(replace(one, shown=_of_another(one.shown, known)))
+                    moved.append(replace(one, shown=of_another(one.shown, known)))
             most = max(most, scanned(moved, tried)[0].worth)
         return most
 
@@ -296,35 +271,3 @@ def _amount(robot: LawRobot, law: Candidate) -> Amount:
     error = robot.panel.spread(columns[:, 0], told)
     mid = float(value[0])
     return Amount(mid, mid - NORMAL * error, mid + NORMAL * error)
-
-
-def _relearned(robot: Robot, columns: FloatArray) -> Robot:
-    """The robot, its noise learned with (n, 3, q) more columns free."""
-    made = robot.made
-    wide = replace(
-        made,
-        values=np.concatenate([made.values, columns], axis=2),
-        names=(*made.names, *(f"law {k}" for k in range(columns.shape[2]))),
-    )
-    (noise,) = learn([robot.tracks], [wide], robot.tracks.rules)
-    return Robot(robot.tracks, robot.motion, made, noise)
-
-
-def _shifted(shown: LawColumns, share: float) -> LawColumns:
-    """With quantities of another time."""
-    moved = copy(shown)
-    by = int(share * len(shown.known["time"]))
-    moved.known = {name: np.roll(values, by, axis=0) for name, values in shown.known.items()}
-    return moved
-
-
-def _of_another(shown: LawColumns, other: LawColumns) -> LawColumns:
-    """With quantities of another robot at the same time."""
-    moved = copy(shown)
-    there = other.known["time"]
-    order = np.argsort(there, kind="stable")
-    at = np.searchsorted(there[order], shown.known["time"]).clip(0, len(there) - 1)
-    moved.known = {
-        name: values[order][at] for name, values in other.known.items() if name in shown.known
-    }
-    return moved

@@ -15,7 +15,8 @@ from realitygap.models.naming.diagnosis import Unexplained
 from realitygap.models.naming.engine.state import State
 from realitygap.models.naming.engine.threads import one_thread
 from realitygap.models.naming.laws.found import FoundLaw
-from realitygap.models.naming.laws.search import LawRoom, hunted
+from realitygap.models.naming.laws.room import LawRoom
+from realitygap.models.naming.laws.search import hunted
 from realitygap.models.naming.laws.useful import useful
 
 
@@ -54,5 +55,5 @@ def _laws(state: State, left: Sequence[Unexplained]) -> tuple[FoundLaw, ...]:
             continue
         for one in hunted(room, group):
             found.append(one.told)
-            done |= {known.index(robot) for robot in one.told.amounts}
+            done |= {known.index(robot) for robot in one.told.robots}
     return tuple(found)

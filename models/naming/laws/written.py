@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from realitygap.embedded_sim.laws import Atom
 from realitygap.models.belief.law_tables import LawAmplitude, LawAtom, WrittenLaw
 from realitygap.models.belief.law_words import UNIT, equation
 from realitygap.models.log.named import Names
@@ -13,10 +14,11 @@ from realitygap.models.naming.laws.found import FoundLaw
 def law_as_json(law: FoundLaw, names: Names) -> dict[str, Any]:
     """One of `laws` in `diagnosis.json`."""
     unit = UNIT.get(law.channel, "1")
+    atoms = law.atoms or (Atom(law.of, "curve"),)
     alone = next(iter(law.amounts.values())).value if len(law.amounts) == 1 else None
     return {
-        "equation": equation(law.channel, law.atoms, alone),
-        "latex": equation(law.channel, law.atoms, alone, latex=True),
+        "equation": equation(law.channel, atoms, alone),
+        "latex": equation(law.channel, atoms, alone, latex=True),
         "reading": law.reading,
         "channel": law.channel,
         "of": law.of,
@@ -29,7 +31,7 @@ def law_as_json(law: FoundLaw, names: Names) -> dict[str, Any]:
             {"robot": names.key(robot), **amount._asdict(), "unit": unit}
             for robot, amount in law.amounts.items()
         ],
-        "robots": "all" if law.whole_swarm else [names.key(robot) for robot in law.amounts],
+        "robots": "all" if law.whole_swarm else [names.key(robot) for robot in law.robots],
         "evidence": {
             "held_out_gain": law.gain,
             "best_curve": law.ceiling,
