@@ -96,7 +96,7 @@ def scored(trial: LawTrial, content: dict[str, Any]) -> dict[str, Any]:
     said["shaped"] = first["shape"]
     said["form"] = bool(said["quantity"] and first["shape"] and form in law.forms)
     said["wrong"] = bool(first["shape"] and not said["quantity"])
-    if said["form"]:
+    if said["form"] and first["channel"] == law.acts:  # told in the same unit
         said["holds"] = [
             min(abs(one["low"]), abs(one["high"]))
             <= trial.amplitude

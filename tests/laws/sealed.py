@@ -100,6 +100,7 @@ LAWS = (
         "slip", "both", lambda w, a, p, t: -((np.abs(w) / 6.0) ** 2), "wheel_speed speed", "power"
     ),
     _law("warm", "both", lambda w, a, p, t: np.full(len(p), -np.exp(-t / 25.0)), "time", "fade"),
+    # from here on the grammar has no form
     _law("triangle", "turn", lambda w, a, p, t: _saw(p[:, 2]), "heading"),
     _law(
         "quadrant", "turn", lambda w, a, p, t: 1.0 * (np.mod(p[:, 2], 2 * np.pi) < 1.2), "heading"
@@ -113,7 +114,7 @@ LAWS = (
     ),
     _law("stripe", "both", lambda w, a, p, t: -1.0 * (np.abs(p[:, 0]) < 0.1), "place"),
     _law(
-        "chess",
+        "stairs",
         "both",
         lambda w, a, p, t: 1.0 * (np.floor(4.0 * p[:, 0]) + np.floor(4.0 * p[:, 1]) % 2),
         "place",

@@ -13,6 +13,7 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.law_words import equation, reading
 from realitygap.models.naming.channels.motion.robot import Robot
 from realitygap.models.naming.engine.marginal import EMPTY
+from realitygap.models.naming.laws.amplitude import NORMAL, amount
 from realitygap.models.naming.laws.columns import LawColumns
 from realitygap.models.naming.laws.curves import CurveOf, curve
 from realitygap.models.naming.laws.decoys import of_another, shifted
@@ -56,9 +57,6 @@ LEAST_OTHERS = 2
 """Other robots that a law of one must be compared with."""
 RIVALS = 12
 """Curves that are drawn."""
-
-NORMAL = 1.959963984540054
-"""Standard deviations to either side of 95 % of a normal variable."""
 
 
 class Stated(NamedTuple):
@@ -146,7 +144,7 @@ class Hunt:
             law = Candidate(channel, atoms) if atoms else law
         decoy = self._decoys(kept, law)
         amounts = {
-            self.room.state.tracks.robots[k]: _amount(robot, law)
+            self.room.state.tracks.robots[k]: amount(robot, law, len(self.who))
             for k, robot in zip(self.who, robots, strict=True)
         }
         others = self._others(law)
@@ -207,7 +205,7 @@ class Hunt:
                 seen = self._seen(k, robot, ())
                 width = float(np.diag(seen.told(law).information).min())
                 if width > EMPTY:
-                    found[k] = _amount(seen, law)
+                    found[k] = amount(seen, law, 1)
         return found
 
 
@@ -255,19 +253,3 @@ def _close(one: Offered, best: Offered) -> bool:
 
 def _largest(amounts: Mapping[int, Amount]) -> float:
     return max((one.value for one in amounts.values()), key=abs)
-
-
-def _amount(robot: LawRobot, law: Candidate) -> Amount:
-    """An amplitude with its interval; of a wheel's angle the length of both its phases."""
-    columns = robot.columns(law)
-    told = robot.panel.told(robot.panel.sums(columns, together=True))
-    value = told.value
-    if len(value) > 1:
-        size = np.hypot(value[: len(value) // 2], value[len(value) // 2 :])
-        columns = columns @ np.linalg.lstsq(value[None], [[float(size.mean())]], rcond=None)[0]
-        columns = (robot.columns(law) @ value / size.mean())[:, None]
-        told = robot.panel.told(robot.panel.sums(columns, together=True))
-        value = told.value
-    error = robot.panel.spread(columns[:, 0], told)
-    mid = float(value[0])
-    return Amount(mid, mid - NORMAL * error, mid + NORMAL * error)
