@@ -17,6 +17,7 @@ import numpy.typing as npt
 from realitygap.embedded_sim._core import ffi, lib
 from realitygap.embedded_sim.binding import check, finite, memory, refusal, structure, whole
 from realitygap.embedded_sim.errors import InputError
+from realitygap.embedded_sim.laws import MOST_LAWS, Law, law_struct
 from realitygap.embedded_sim.senses import LampGeometry, Senses, worked_in
 from realitygap.embedded_sim.tables import FloatArray as FloatArray
 from realitygap.embedded_sim.tables import Tables
@@ -57,19 +58,32 @@ class Drive:
     droop_rate: float = 0.0
     """1/s, relative loss of speed with time since the log or trial began."""
 
+    laws: tuple[Law, ...] = ()
+    """What is added to motion."""
+    reach: float = 0.0
+    """m from the arena's middle to where a robot's touches the wall; laws alone ask for it."""
+    body: float = 0.0
+    """m, radius of a robot; laws alone ask for it."""
+
     def struct(self) -> Any:
-        """The C struct `rg_drive`.
+        """The C struct `rg_drive`; laws of amplitude 0 are left out.
 
         Raises:
             InputError: a field that C refuses.
         """
-        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        values = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "laws"}
         struct, why = structure("rg_drive *", "drive", values, _PAIRS), refusal()
+        laws = [law_struct(law) for law in self.laws if law.amplitude != 0.0]
+        if len(laws) > MOST_LAWS:
+            raise InputError("drive.laws", f"{len(laws)}", f"at most {MOST_LAWS}")
+        if laws:
+            struct.laws, struct.law = len(laws), laws
         check(lib.rg_check_drive(struct, why), why)
         return struct
 
 
 _PAIRS = {field.name: 2 for field in fields(Drive) if isinstance(field.default, tuple)}
+del _PAIRS["laws"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -113,6 +113,7 @@ def replay(
     initial: npt.ArrayLike,
     *,
     drive: Drive,
+    seen: npt.ArrayLike | None = None,
 ) -> Replay:
     """Drive logged commands through the point model, all runs and robots in one call.
 
@@ -124,6 +125,8 @@ def replay(
         start: (segments + 1,) first row of each segment (one run of one robot), and the row count.
         initial: (segments, 3) pose at each segment's first row.
         drive: The motion model.
+        seen: (rows, 4) where laws find the robot from each row on: x, y (m), yaw (rad), distance to
+            the next robot's middle (m); None: where the replay has it, and alone.
 
     Raises:
         InputError: shapes disagree, times fall, or a number is out of range; says which row.
@@ -137,6 +140,7 @@ def replay(
         raise InputError("start", "nothing", f"increasing rows from 0 to {rows}")
     segments = len(starts) - 1
     first = array("initial", initial, np.float64, (segments, 3))
+    around = None if seen is None else array("seen", seen, np.float64, (rows, 4))
     result = Replay(np.empty((rows, 3)), np.empty((rows, 2)))
     why = refusal()
     status = lib.rg_replay(
@@ -149,6 +153,7 @@ def replay(
         memory("double[]", first),
         memory("double[]", result.poses),
         memory("double[]", result.speeds),
+        ffi.NULL if around is None else memory("double[]", around),
         why,
     )
     check(status, why)

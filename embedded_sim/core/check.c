@@ -1,6 +1,46 @@
 /* What each structure may hold. */
 #include "check.h"
 
+/* Can an atom be worked out, whatever its quantity is? */
+static int rg_check_atom(rg_refusal *why, const rg_atom *a, int32_t law) {
+    const int placed = a->form == RG_SLOPE || a->form == RG_HALF || a->form == RG_DISC;
+    const double of = placed ? RG_OF_PLACE : a->of; /* the only quantity that is no number */
+    if (!(rg_within(why, "drive.laws form", law, a->form, RG_POWER, RG_CURVE) &&
+          rg_within(why, "drive.laws of", law, a->of, RG_OF_WHEEL_SPEED, RG_OF_TIME) &&
+          rg_within(why, "drive.laws of", law, a->of, of, of) &&
+          rg_within(why, "drive.laws of", law, !placed && a->of == RG_OF_PLACE, 0.0, 0.0) &&
+          rg_within(why, "drive.laws numbers", law, a->numbers, a->form == RG_CURVE ? 4.0 : 0.0,
+                    20.0) &&
+          rg_all_within(why, "drive.laws number", a->number, 20, RG_ANY)))
+        return 0;
+    const double first = a->number[0];
+    if (a->form == RG_POWER || a->form == RG_SLOPE || a->form == RG_FADE)
+        return rg_within(why, "drive.laws scale", law, first, RG_LAW_SCALE) &&
+               (a->form != RG_POWER ||
+                rg_within(why, "drive.laws exponent", law, a->number[1], RG_LAW_EXPONENT));
+    if (a->form == RG_COSINE && a->of == RG_OF_HEADING)
+        return rg_within(why, "drive.laws harmonic", law, first, RG_LAW_HARMONIC);
+    return a->form != RG_CURVE ||
+           rg_within(why, "drive.laws curve", law, a->number[1] - first, RG_LAW_SCALE);
+}
+
+static int rg_check_laws(rg_refusal *why, const rg_drive *d) {
+    if (!rg_within(why, "drive.laws", -1, d->laws, 0.0, 8.0))
+        return 0;
+    for (int32_t i = 0; i < d->laws; i++) {
+        const rg_law *law = &d->law[i];
+        if (!(rg_within(why, "drive.laws channel", i, law->channel, RG_LEFT, RG_ASIDE) &&
+              rg_within(why, "drive.laws atoms", i, law->atoms, 1.0, 2.0) &&
+              rg_within(why, "drive.laws amplitude", i, law->amplitude, RG_ANY)))
+            return 0;
+        for (int k = 0; k < law->atoms; k++)
+            if (!rg_check_atom(why, &law->atom[k], i))
+                return 0;
+    }
+    return d->laws == 0 || (rg_within(why, "drive.reach", -1, d->reach, RG_WAY) &&
+                            rg_within(why, "drive.body", -1, d->body, RG_WAY));
+}
+
 int32_t rg_check_drive(const rg_drive *d, rg_refusal *why) {
     const int good = rg_all_within(why, "drive.wheel_radius", d->wheel_radius, 2, RG_PLACE) &&
                      rg_within(why, "drive.axle", -1, d->axle, RG_LENGTH) &&
@@ -9,7 +49,8 @@ int32_t rg_check_drive(const rg_drive *d, rg_refusal *why) {
                      rg_all_within(why, "drive.acceleration", d->acceleration, 2, RG_DIVISOR) &&
                      rg_all_within(why, "drive.speed_limit", d->speed_limit, 2, RG_LIMIT) &&
                      rg_all_within(why, "drive.dead_zone", d->dead_zone, 2, RG_LIMIT) &&
-                     rg_within(why, "drive.droop_rate", -1, d->droop_rate, RG_ANY);
+                     rg_within(why, "drive.droop_rate", -1, d->droop_rate, RG_ANY) &&
+                     rg_check_laws(why, d);
     return good ? RG_OK : RG_BAD_ARGUMENT;
 }
 

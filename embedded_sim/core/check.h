@@ -22,6 +22,9 @@
 #define RG_WAY 0.0, RG_FAR
 #define RG_LENGTH 1e-9, RG_FAR    /* above 0 */
 #define RG_CONTROL_STEP 1e-6, 1e3 /* s */
+#define RG_LAW_SCALE 1e-6, RG_MOST
+#define RG_LAW_EXPONENT 0.0, 10.0
+#define RG_LAW_HARMONIC 0.0, 8.0
 #define RG_SHARE -1.0, 1.0        /* a cosine or sine */
 #define RG_DATA -DBL_MAX, DBL_MAX /* of a log: only finite */
 #define RG_ROWS 0.0, 0x1p53       /* whole numbers that a double holds */

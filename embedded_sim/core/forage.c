@@ -5,6 +5,7 @@
 #include "batch.h"
 #include "check.h"
 #include "drive.h"
+#include "laws.h"
 #include "realitygap_core.h"
 #include "trial.h"
 
@@ -44,7 +45,14 @@ static void rg_drive_part(const rg_drive *d, rg_forager *f, const double *comman
     rg_motors *motors = &f->motors;
     const double l = rg_wheel_advance(d, 0, &motors->speed[0], command[0], part, motors->time);
     const double r = rg_wheel_advance(d, 1, &motors->speed[1], command[1], part, motors->time);
-    f->clear -= rg_arc(d, l, r, f->now.pose, f->now.heading);
+    if (d->laws == 0) {
+        f->clear -= rg_arc(d, l, r, f->now.pose, f->now.heading);
+        return;
+    }
+    const double *pose = f->now.pose, *heading = f->now.heading;
+    const rg_place_of at = {pose[0], pose[1], heading[0], heading[1], INFINITY, motors->time};
+    const rg_moved moved = rg_obey(d, &at, part->h, l, r);
+    f->clear -= rg_arc_of(&moved, f->now.pose, f->now.heading);
 }
 
 static void rg_drive_step(const rg_model *m, const rg_cut *cut, rg_forager *f,

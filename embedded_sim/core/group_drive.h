@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "group_laws.h"
 #include "group_state.h"
 
 /* rg_wheel_advance */
@@ -43,20 +44,29 @@ RG_INLINE rg_v rg_wheel_advance_v(const rg_drive *d, int side, rg_v *speed, rg_v
     return rg_pick(limited, 0.5 * (start + end) * h, target * h - 0.5 * step * size / most);
 }
 
-/* Drive a part of a step under one command: rg_wheel_advance and rg_arc. */
+/* Drive a part of a step under one command: rg_wheel_advance and rg_arc, or rg_arc_of. */
 RG_INLINE void rg_drive_part_v(const rg_drive *d, rg_group *g, const rg_v *command,
                                const rg_part *part, double time) {
-    const rg_v sl =
-        d->wheel_radius[0] * rg_wheel_advance_v(d, 0, &g->speed[0], command[0], part, time);
-    const rg_v sr =
-        d->wheel_radius[1] * rg_wheel_advance_v(d, 1, &g->speed[1], command[1], part, time);
-    const rg_v half = 0.5 * ((sr - sl) / d->axle);
+    const rg_v left = rg_wheel_advance_v(d, 0, &g->speed[0], command[0], part, time);
+    const rg_v right = rg_wheel_advance_v(d, 1, &g->speed[1], command[1], part, time);
+    const rg_v sl = d->wheel_radius[0] * left, sr = d->wheel_radius[1] * right;
+    rg_moved_v moved = {0.5 * (sl + sr), (sr - sl) / d->axle, {0}};
+    if (d->laws > 0)
+        moved = rg_obey_v(d, g, part->h, time, left, right);
+    const rg_v half = 0.5 * moved.turn;
     rg_v sinc, cosine;
     rg_turn_v(half, &sinc, &cosine);
-    const rg_v sine = half * sinc, chord = 0.5 * (sl + sr) * sinc;
+    const rg_v sine = half * sinc, chord = moved.ahead * sinc;
     const rg_v c = g->cosine, s = g->sine;
-    g->x += chord * (c * cosine - s * sine);
-    g->y += chord * (s * cosine + c * sine);
+    const rg_v to_x = c * cosine - s * sine, to_y = s * cosine + c * sine;
+    if (d->laws > 0) {
+        const rg_v across = moved.aside * sinc;
+        g->x += chord * to_x - across * to_y;
+        g->y += chord * to_y + across * to_x;
+    } else {
+        g->x += chord * to_x;
+        g->y += chord * to_y;
+    }
     const rg_v turned_c = cosine * cosine - sine * sine, turned_s = 2.0 * sine * cosine;
     const rg_v next_c = c * turned_c - s * turned_s, next_s = s * turned_c + c * turned_s;
     const rg_v unit = 1.5 - 0.5 * (next_c * next_c + next_s * next_s);

@@ -49,6 +49,35 @@ typedef struct {
     double low, high;  /* the least and the most that would do */
 } rg_refusal;
 
+/* Channels, quantities and forms of laws (embedded_sim/laws.py says what they mean). */
+enum { RG_LEFT, RG_RIGHT, RG_BOTH, RG_SPEED, RG_TURNING, RG_TURN, RG_BEND, RG_ASIDE };
+enum {
+    RG_OF_WHEEL_SPEED,
+    RG_OF_SPEED,
+    RG_OF_TURN,
+    RG_OF_HEADING,
+    RG_OF_RADIUS,
+    RG_OF_PLACE,
+    RG_OF_WALL,
+    RG_OF_GAP,
+    RG_OF_TIME
+};
+enum { RG_POWER, RG_SIGN, RG_COSINE, RG_SLOPE, RG_HALF, RG_DISC, RG_BELOW, RG_FADE, RG_CURVE };
+
+/* A dimensionless function of one quantity. */
+typedef struct {
+    int32_t of, form;
+    int32_t numbers;   /* that count, of: */
+    double number[20]; /* a curve has up to 18 nodes */
+} rg_atom;
+
+/* A term of a channel: an amplitude times one or two atoms. */
+typedef struct {
+    int32_t channel, atoms;
+    double amplitude;
+    rg_atom atom[2];
+} rg_law;
+
 /* How the two wheels answer a command, and where the wheels are. Null values in brackets make the
  * minimal model of the paper (III-E); any other value is a named cause of the reality gap. */
 typedef struct {
@@ -60,6 +89,10 @@ typedef struct {
     double speed_limit[2];  /* rad/s, most a wheel turns [inf] */
     double dead_zone[2];    /* rad/s, commands below this do not turn a wheel [0] */
     double droop_rate;      /* 1/s, relative loss of speed with time [0] */
+    int32_t laws;           /* how many there are, of: [0] */
+    rg_law law[8];
+    double reach; /* m from the arena's middle to where a robot's touches the wall, for laws */
+    double body;  /* m, radius of a robot, for laws */
 } rg_drive;
 
 /* Captured tables (III-E): what the sensors of a nominal robot read, looked up bilinearly. */
@@ -192,10 +225,12 @@ int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, rg
 /* Drive logged commands through the model, one chain of motors per run and robot.
  * Segment k holds rows start[k] .. start[k+1]-1; commands (rows, 2) hold from their row's time to
  * the next row's. poses (rows, 3): x, y, yaw at each row's time, row start[k] being initial[k].
- * speeds (rows, 2), if not null, are the wheel speeds at each row's time. */
+ * speeds (rows, 2), if not null, are the wheel speeds at each row's time. seen (rows, 4), which
+ * may be null, is where laws find the robot from a row on: x, y, yaw, distance to the next robot's
+ * middle (m); without it they find it where the replay has it, and alone. */
 int32_t rg_replay(const rg_drive *drive, int64_t rows, int32_t segments, const int64_t *start,
                   const double *t, const double *commands, const double *initial, double *poses,
-                  double *speeds, rg_refusal *why);
+                  double *speeds, const double *seen, rg_refusal *why);
 
 /* What the sensors read at given poses (rows, 3), without noise; scenario per row, and t (rows,)
  * the time since the log began (s), which may be null. ps, ls: (rows, 8), either may be null. */

@@ -4,14 +4,27 @@
 
 #include "check.h"
 #include "drive.h"
+#include "laws.h"
 #include "realitygap_core.h"
 #include "sensors.h"
+
+/* Move a pose by wheels turned by l and r (rad) in h seconds as laws have it. */
+static void rg_replay_laws(const rg_drive *d, int64_t row, double since, double h, double l,
+                           double r, double *pose, double *heading, const double *seen) {
+    rg_place_of at = {pose[0], pose[1], heading[0], heading[1], INFINITY, since};
+    if (seen != NULL) {
+        const double *there = seen + 4 * row;
+        at = (rg_place_of){there[0], there[1], cos(there[2]), sin(there[2]), there[3], since};
+    }
+    const rg_moved moved = rg_obey(d, &at, h, l, r);
+    rg_arc_of(&moved, pose, heading);
+}
 
 /* One interval of a log, cut where a delayed command reaches the motors. `arrived` is the row of
  * the command at the motors (first - 1: none yet, at rest); it only moves forward. */
 static void rg_replay_interval(const rg_drive *d, const double *t, const double *commands,
                                int64_t first, int64_t row, int64_t *arrived, double *speed,
-                               double *pose, double *heading) {
+                               double *pose, double *heading, const double *seen) {
     double now = t[row];
     const double end = t[row + 1];
     while (now < end) {
@@ -27,7 +40,10 @@ static void rg_replay_interval(const rg_drive *d, const double *t, const double 
         const double since = now - t[first];
         const double l = rg_wheel_advance(d, 0, &speed[0], left, &part, since);
         const double r = rg_wheel_advance(d, 1, &speed[1], right, &part, since);
-        rg_arc(d, l, r, pose, heading);
+        if (d->laws == 0)
+            rg_arc(d, l, r, pose, heading);
+        else
+            rg_replay_laws(d, row, since, part.h, l, r, pose, heading, seen);
         now = until;
     }
 }
@@ -63,7 +79,7 @@ static int32_t rg_refuse_command(rg_refusal *why, int64_t row, double since, dou
 
 int32_t rg_replay(const rg_drive *drive, int64_t rows, int32_t segments, const int64_t *start,
                   const double *t, const double *commands, const double *initial, double *poses,
-                  double *speeds, rg_refusal *why) {
+                  double *speeds, const double *seen, rg_refusal *why) {
     if (rg_check_drive(drive, why) != RG_OK ||
         !rg_check_segments(why, rows, segments, start, initial) || !rg_there(why, "t", t, rows) ||
         !rg_there(why, "commands", commands, rows) || !rg_there(why, "poses", poses, rows))
@@ -81,7 +97,7 @@ int32_t rg_replay(const rg_drive *drive, int64_t rows, int32_t segments, const i
                 return rg_refuse_command(why, row, since, t[row], commands + 2 * row);
             if (row > first)
                 rg_replay_interval(drive, t, commands, first, row - 1, &arrived, speed, pose,
-                                   heading);
+                                   heading, seen);
             for (int i = 0; i < 3; i++)
                 poses[3 * row + i] = pose[i];
             if (speeds != NULL) {

@@ -14,6 +14,7 @@ from typing import Any
 import tomli_w
 
 from realitygap.models.belief.extension import Extension, NamedCause
+from realitygap.models.belief.law_tables import WrittenLaw
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.log.files import checked
 
@@ -35,6 +36,9 @@ def extended_text(model: ModelFile, added: Extension, tables: str | None = None)
     if tables is not None:
         content["sensors"] = {"tables": tables}
     content["extension"] = {"log": added.log, "command": added.command, "causes": causes}
+    if laws := (*earlier.laws, *added.laws):
+        told = [one.model_dump(mode="json", exclude_none=True) for one in laws]
+        content["extension"]["laws"] = told
     if names := earlier.names | added.names:
         content["extension"]["names"] = names
     return tomli_w.dumps(content)
@@ -49,6 +53,8 @@ def read_back(text: str) -> ModelFile:
     return checked(ModelFile, tomllib.loads(text), NAME, "a model file")
 
 
-def as_written(model: ModelFile, causes: Sequence[NamedCause]) -> ModelFile:
-    """The model with causes, as whoever loads its file has it."""
-    return read_back(extended_text(model, Extension(causes=tuple(causes))))
+def as_written(
+    model: ModelFile, causes: Sequence[NamedCause], laws: Sequence[WrittenLaw] = ()
+) -> ModelFile:
+    """The model with causes and laws, as whoever loads its file has it."""
+    return read_back(extended_text(model, Extension(causes=tuple(causes), laws=tuple(laws))))

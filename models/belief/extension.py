@@ -26,7 +26,7 @@ healthy_acceleration = { value = 170.0, unit = "rad/s^2" }
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -36,12 +36,12 @@ from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.catalogue import every_cause
 from realitygap.models.belief.cause import ALL, Cause, Parameter
+from realitygap.models.belief.law_tables import WrittenLaw
 from realitygap.models.belief.motion import Motion
 from realitygap.models.belief.senses import Belief, SenseCause
+from realitygap.models.belief.whose import whose
 from realitygap.models.log.files import Refused, Table
 from realitygap.models.log.named import Names
-
-ROBOTS = 'robot numbers from 0, as in [3] or [1, 4], or "all"'
 
 
 class ParameterValue(Table):
@@ -87,17 +87,7 @@ class NamedCause(Table):
     @classmethod
     def _numbers(cls, robots: Any) -> Any:
         """Refuse what names no robots."""
-        if robots == "all":
-            return robots
-        if isinstance(robots, str) or not isinstance(robots, Collection) or not robots:
-            given = list(robots) if isinstance(robots, tuple) else robots
-            raise Refused("", repr(given), ROBOTS)
-        for robot in robots:
-            if isinstance(robot, bool) or not isinstance(robot, int) or robot < 0:
-                raise Refused("", repr(robot), ROBOTS)
-        if len(set(robots)) < len(robots):
-            raise Refused("", repr(list(robots)), "each robot once")
-        return robots
+        return whose(robots)
 
     @model_validator(mode="after")
     def _known(self) -> NamedCause:
@@ -156,12 +146,13 @@ class NamedCause(Table):
 
 
 class Extension(Table):
-    """Named causes added to a minimal model."""
+    """Named causes, and laws, added to a minimal model."""
 
     log: str = ""
     """SHA-256 of the measured log they were found in."""
     command: str = ""
     causes: tuple[NamedCause, ...] = ()
+    laws: tuple[WrittenLaw, ...] = ()
     names: dict[Annotated[str, Field(min_length=1)], Annotated[int, Field(ge=0)]] = Field(
         default_factory=dict
     )
@@ -183,7 +174,9 @@ class Extension(Table):
     @property
     def robots(self) -> list[int]:
         """Robots that some cause concerns and others not, in order; empty: all are alike."""
-        return sorted({r for cause in self.causes if cause.robots != "all" for r in cause.robots})
+        told = [own for law in self.laws for own in law.amplitudes if own.robot is not None]
+        causes = [one.robots for one in self.causes if one.robots != "all"]
+        return sorted({r for robots in causes for r in robots} | {one.robot or 0 for one in told})
 
     def check_robots(self, known: Collection[int], file: str) -> None:
         """Refuse robots that do not exist.
@@ -195,21 +188,30 @@ class Extension(Table):
         Raises:
             InputError: the first cause and robot.
         """
-        for index, cause in enumerate(self.causes):
-            for robot in () if cause.robots == "all" else cause.robots:
+        for kind, index, robots in self._concerned():
+            for robot in robots:
                 if robot not in known:
-                    field = f"{file}: extension.causes.{index}.robots"
+                    field = f"{file}: extension.{kind}.{index}.robots"
                     called = self.called
                     listed = [called[k] for k in sorted(known)]
                     raise InputError(
                         field, called[robot], f"a robot: {nearest(called[robot], listed)}"
                     )
 
+    def _concerned(self) -> Iterator[tuple[str, int, tuple[int, ...]]]:
+        """Of each cause and law of some robots, which."""
+        for index, cause in enumerate(self.causes):
+            yield "causes", index, () if cause.robots == "all" else cause.robots
+        for index, law in enumerate(self.laws):
+            yield "laws", index, () if law.robots == "all" else law.robots
+
     def applied(self, motion: Motion, robot: int | None) -> Motion:
-        """The motion of a robot with every cause that concerns it."""
+        """The motion of a robot with every cause and law that concerns it."""
         for cause in self.causes:
             if cause.concerns(robot):
                 motion = cause.applied(motion)
+        for law in self.laws:
+            motion = law.applied(motion, robot)
         return motion
 
     def sensed(self, robot: int | None) -> Belief:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -138,7 +139,14 @@ class ModelFile(Table):
         """How a robot moves and is seen; None: what the whole swarm has in common."""
         radius, axle = self.robot.wheel_radius, self.robot.axle
         minimal = Motion(drive=Drive(wheel_radius=(radius, radius), axle=axle))
-        return minimal if self.extension is None else self.extension.applied(minimal, robot)
+        if self.extension is None:
+            return minimal
+        motion = self.extension.applied(minimal, robot)
+        if not motion.drive.laws:
+            return motion
+        body = self.robot.body_radius
+        reach = 0.0 if self.arena is None else self.arena.radius - body
+        return replace(motion, drive=replace(motion.drive, reach=reach, body=body))
 
     @property
     def nominal_drive(self) -> Drive:

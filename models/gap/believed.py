@@ -14,6 +14,7 @@ from realitygap.embedded_sim import PointModel, Tables
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.belief.motion import Motion
+from realitygap.models.gap.around import around
 from realitygap.models.gap.driven import driven, recorded
 from realitygap.models.gap.replay import replay_log
 from realitygap.models.log.frames import Rows
@@ -70,9 +71,10 @@ def replay_segments(
     cut = np.concatenate([[0], np.cumsum([log.start[k + 1] - log.start[k] for k in segments])])
     commands = np.ascontiguousarray(log.commands[rows])
     late = motion.motor_delay + motion.pose_delay
-    path = recorded(
-        log.t[rows], driven(log.t[rows], commands, cut, motion.drive, late), cut, motion
-    )
+    whole = around(log, motion.drive)
+    seen = None if whole is None else whole[rows]
+    path = driven(log.t[rows], commands, cut, motion.drive, late, seen)
+    path = recorded(log.t[rows], path, cut, motion)
     return rows, as_seen(path, motion)
 
 

@@ -24,7 +24,12 @@ REGULAR = 1e-6
 
 
 def driven(
-    t: FloatArray, commands: FloatArray, cut: Rows, drive: Drive, delay: float
+    t: FloatArray,
+    commands: FloatArray,
+    cut: Rows,
+    drive: Drive,
+    delay: float,
+    seen: FloatArray | None = None,
 ) -> FloatArray:
     """(rows, 3) poses at the times when the rows' poses were really taken.
 
@@ -34,15 +39,15 @@ def driven(
         cut: (segments + 1,) first row of each segment, and the row count; each from the origin.
         drive: What moves the robot.
         delay: s by which its answer shows late, beyond the drive's latency; negative: early.
+        seen: (rows, 4) where laws find the robot (`gap.around`); None: where the replay has it.
     """
     total = drive.latency + delay
     origin = np.zeros((len(cut) - 1, 3))
     if (
         total >= 0.0 or len(t) < 2
     ):  # one row goes nowhere; late poses and late commands are the same in motion
-        return replay(
-            t, commands, cut, origin, drive=with_changes(drive, latency=max(total, 0.0))
-        ).poses
+        late = with_changes(drive, latency=max(total, 0.0))
+        return replay(t, commands, cut, origin, drive=late, seen=seen).poses
     took = np.diff(t)
     left_out = took > AROUND  # rows between windows: none of these looks so far
     whole = len(cut) == 2 and not left_out.any()
@@ -51,12 +56,13 @@ def driven(
     regular[cut[1:-1] - 1] = True
     regular |= left_out
     if not regular.all():
-        return _ahead(t, commands, cut, with_changes(drive, latency=0.0), -total)
+        return _ahead(t, commands, cut, with_changes(drive, latency=0.0), -total, seen)
     rows = int(np.ceil(-total / step))
     earlier = np.minimum(np.arange(len(t)) + rows, np.repeat(cut[1:], np.diff(cut)) - 1)
     given = np.ascontiguousarray(commands[earlier])
     shifted = with_changes(drive, latency=rows * step + total)
-    return replay(t, given, cut, origin, drive=shifted).poses
+    there = None if seen is None else seen[earlier]
+    return replay(t, given, cut, origin, drive=shifted, seen=there).poses
 
 
 def recorded(t: FloatArray, path: FloatArray, cut: Rows, motion: Motion) -> FloatArray:
@@ -99,13 +105,18 @@ def wheel_turns(
     for side in (0, 1):
         # a body with one wheel of 1 m and an axle of 1 m turns as that wheel does
         radius = (0.0, 1.0) if side else (-1.0, 0.0)
-        alone = with_changes(drive, wheel_radius=radius, axle=1.0)
+        alone = with_changes(drive, wheel_radius=radius, axle=1.0, laws=())
         turned[:, side] = driven(t, commands, cut, alone, delay)[:, 2]
     return turned
 
 
 def _ahead(
-    t: FloatArray, commands: FloatArray, cut: Rows, drive: Drive, seconds: float
+    t: FloatArray,
+    commands: FloatArray,
+    cut: Rows,
+    drive: Drive,
+    seconds: float,
+    seen: FloatArray | None,
 ) -> FloatArray:
     """(rows, 3) poses that a robot will have some seconds after each row's time."""
     segment = np.repeat(np.arange(len(cut) - 1), np.diff(cut))
@@ -122,7 +133,8 @@ def _ahead(
     starts = np.append(kept[new], len(times))
     taken = np.flatnonzero(np.concatenate([[True], np.diff(kept) > 0]))
     origin = np.zeros((len(cut) - 1, 3))
-    driven = replay(times, commands[given[taken]], starts, origin, drive=drive).poses
+    there = None if seen is None else seen[given[taken]]
+    driven = replay(times, commands[given[taken]], starts, origin, drive=drive, seen=there).poses
     return np.asarray(driven[kept[later[len(t) :]]])
 
 

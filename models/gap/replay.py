@@ -10,6 +10,7 @@ import numpy as np
 
 from realitygap.embedded_sim import Drive, replay
 from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.gap.around import around
 from realitygap.models.log.frames import Rows, Windows, motion, wrapped
 from realitygap.models.log.measured import GAP_STEPS, MeasuredLog
 
@@ -84,7 +85,8 @@ def replay_log(log: MeasuredLog, drive: Drive) -> FloatArray:
         embedded_sim.Diverged: a pose left the finite numbers.
     """
     origin = np.zeros((len(log.segments), 3))
-    return replay(log.t, log.commands, log.start, origin, drive=drive).poses
+    seen = around(log, drive)
+    return replay(log.t, log.commands, log.start, origin, drive=drive, seen=seen).poses
 
 
 def errors(measured: FloatArray, replayed: FloatArray, pairs: Windows) -> FloatArray:

@@ -19,6 +19,8 @@ from realitygap.models.log.preflight.entry import PreflightEntry
 from realitygap.models.log.used import Used
 from realitygap.models.naming.claims.written import written
 from realitygap.models.naming.findings import Named
+from realitygap.models.naming.laws.found import FoundLaw
+from realitygap.models.naming.laws.written import law_as_json, law_table
 from realitygap.models.naming.proposal.menu import Proposal
 from realitygap.models.naming.rules import Rules
 
@@ -81,6 +83,8 @@ class Diagnosis:
 
     named: tuple[Named, ...]
     unexplained: tuple[Unexplained, ...] = ()
+    laws: tuple[FoundLaw, ...] = ()
+    """Equations for what is unexplained."""
     gain: dict[str, Gain] = field(default_factory=dict)
     detectable: tuple[Detectable, ...] = ()
     untold: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
@@ -146,6 +150,7 @@ def next_experiment(found: Diagnosis) -> dict[str, Any] | None:
 def as_json(found: Diagnosis) -> dict[str, Any]:
     """The content of `diagnosis.json`."""
     names = found.names
+    laws = [law_as_json(one, names) for one in found.laws]
     return {
         "schema": SCHEMA,
         "verdict": found.verdict,
@@ -161,6 +166,7 @@ def as_json(found: Diagnosis) -> dict[str, Any]:
             }
             for one in found.unexplained
         ],
+        **({"laws": laws} if laws else {}),
         "next_experiment": next_experiment(found),
         "gain": {name: asdict(gain) for name, gain in found.gain.items()},
         "detectable": {one.cause: _detectable(one, names) for one in found.detectable},
@@ -206,7 +212,10 @@ def _detectable(one: Detectable, names: Names) -> dict[str, Any]:
 
 
 def extension(found: Diagnosis, *, log_hash: str, command: str) -> Extension:
-    """The named causes that are exported, as a model file's `[extension]`."""
+    """The causes and laws that are exported, as a model file's `[extension]`."""
     causes = (written(one, one.values) for one in found.named if one.exported)
+    laws = (law_table(one) for one in found.laws if one.exported)
     known = {name: robot for robot, name in found.names.items()}
-    return Extension(log=log_hash, command=command, causes=tuple(causes), names=known)
+    return Extension(
+        log=log_hash, command=command, causes=tuple(causes), laws=tuple(laws), names=known
+    )

@@ -38,6 +38,7 @@ COMMANDS = (
     "experiment",
     "gain",
     "effects",
+    "laws",
     "rules",
     "blind",
     "measure",

@@ -13,6 +13,7 @@ from realitygap.models.naming.diagnosis import Diagnosis
 from realitygap.studies.diagnosis import figures, sense_figures, tables
 from realitygap.studies.diagnosis.box import verdict_box
 from realitygap.studies.diagnosis.evidence import SenseEvidence
+from realitygap.studies.diagnosis.laws import law_section
 from realitygap.studies.diagnosis.next_experiment import next_section
 from realitygap.studies.diagnosis.tracks import shown_paths, track_figures, worst_tracks
 from realitygap.studies.inputs.model import Model
@@ -75,6 +76,7 @@ def write_report(shown: Findings, path: Path) -> None:
     found = examined.diagnosis
     with scratch() as room, themed():
         sections = [
+            *law_section(found.laws, found.names, room),
             *next_section(found.proposal, shown.following, room, found.rules.promising),
             *_tracks(shown, room),
             *_evidence(shown, room),

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FILE = "diagnosis.json"
+LAW = ("equation", "reading", "channel", "of", "shape")
+"""Keys of a law that are told of each of its robots."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -97,6 +99,22 @@ class DiagnosisResult(Telling):
         """
         columns = ["channel", "robots", "quantity", "share", "distance", "where"]
         return rows_table(self.content["unexplained"], columns, ("share", "distance"))
+
+    @property
+    def laws(self) -> pd.DataFrame:
+        """Equations for what is unexplained, a row per robot of each law.
+
+        Columns `equation`, `reading`, `channel`, `of` (what it follows), `shape` (False: shape not
+        found, a curve), `robot` (missing: of no one quantity), `value`,
+        `low`, `high` (its amplitude, 95 % interval), `unit`.
+        """
+        rows: list[dict[Hashable, Any]] = [
+            {**{name: law[name] for name in LAW}, **one}
+            for law in self.content.get("laws", ())
+            for one in law["coefficients"] or [{}]
+        ]
+        columns = [*LAW, "robot", "value", "low", "high", "unit"]
+        return rows_table(rows, columns, ("value", "low", "high"))
 
     @property
     def used(self) -> pd.DataFrame:

@@ -31,9 +31,11 @@ class Compared:
     def robots(self) -> frozenset[int] | None:
         """Robots that the extension concerns; None: all."""
         causes = () if self.file.extension is None else self.file.extension.causes
-        if any(cause.robots == "all" for cause in causes):
+        laws = () if self.file.extension is None else self.file.extension.laws
+        every = [*(one.robots for one in causes), *(one.robots for one in laws)]
+        if any(robots == "all" for robots in every):
             return None
-        return frozenset(int(robot) for cause in causes for robot in cause.robots)
+        return frozenset(int(robot) for robots in every for robot in robots)
 
     def check_robots(self, known: Collection[int]) -> None:
         """Refuse an extension of robots that are in no run.

@@ -13,6 +13,7 @@ from markupsafe import escape
 from realitygap.embedded_sim import InputError, PointModel, Tables
 from realitygap.models.belief.extended import NAME, extended_text, read_back
 from realitygap.models.belief.extension import Extension
+from realitygap.models.belief.law_words import equation, reading
 from realitygap.models.belief.modelfile import DEFAULT, ModelFile, find_model_file, read_model_file
 from realitygap.models.belief.tables import load_tables, tables_bytes
 from realitygap.studies.pages.notebook import html_table, rows_table
@@ -91,6 +92,35 @@ class Model:
             for name, value in cause.parameters.items()
         ]
         columns = ["cause", "word", "robots", "parameter", "value", "low", "high", "unit"]
+        return rows_table(rows, columns, ("value", "low", "high"))
+
+    @property
+    def laws(self) -> pd.DataFrame:
+        """What it has beyond its causes: a row per amplitude of each law.
+
+        Columns `law` (its number), `equation`, `latex` (both with `a` for the amplitude),
+        `reading`, `channel`, `robot` (None: every one without its own), `value`, `low`, `high`
+        (95 % interval; NaN: none), `unit`.
+        """
+        laws = () if self.file.extension is None else self.file.extension.laws
+        names = (self.file.extension or Extension()).called
+        rows = [
+            {
+                "law": number,
+                "equation": equation(law.channel, law.atoms),
+                "latex": equation(law.channel, law.atoms, latex=True),
+                "reading": reading(law.channel, law.atoms, own.value, self.file.robot.wheel_radius),
+                "channel": law.channel,
+                "robot": None if own.robot is None else names.key(own.robot),
+                **own.model_dump(include={"value", "low", "high"}),
+                "unit": table.unit,
+            }
+            for number, table in enumerate(laws)
+            for own in table.amplitudes
+            for law in (table.law(own.value),)
+        ]
+        columns = ["law", "equation", "latex", "reading", "channel", "robot"]
+        columns += ["value", "low", "high", "unit"]
         return rows_table(rows, columns, ("value", "low", "high"))
 
     def point(self, robot: int | None = None) -> PointModel:

@@ -9,6 +9,7 @@
  * with clang -fsanitize=fuzzer,address,undefined -DRG_FUZZER. */
 #include <float.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -117,6 +118,21 @@ static float *counts(bytes *from, int64_t count, float most) {
     return values;
 }
 
+static void build_law(bytes *from, rg_law *law) {
+    law->channel = below(from, RG_ASIDE + 1);
+    law->atoms = 1 + below(from, 2);
+    law->amplitude = uniform(from, -0.5, 0.5);
+    for (int k = 0; k < law->atoms; k++) {
+        rg_atom *a = &law->atom[k];
+        a->form = below(from, RG_CURVE + 1);
+        a->of = a->form >= RG_SLOPE && a->form <= RG_DISC ? RG_OF_PLACE : below(from, RG_OF_PLACE);
+        a->numbers = 4 + below(from, 17);
+        for (int i = 0; i < 20; i++)
+            a->number[i] = uniform(from, 0.1, 3.0);
+        a->number[1] = a->number[0] + uniform(from, 0.1, 2.0);
+    }
+}
+
 static void build_drive(bytes *from, rg_drive *d) {
     memset(d, 0, sizeof *d);
     for (int side = 0; side < 2; side++) {
@@ -127,7 +143,14 @@ static void build_drive(bytes *from, rg_drive *d) {
     d->axle = uniform(from, 0.03, 0.06);
     d->latency = below(from, 2) ? 0.0 : uniform(from, 0.0, 2.4);
     d->time_constant = below(from, 2) ? 0.0 : uniform(from, 0.0, 0.3);
-    perturb(from, d, sizeof *d);
+    d->reach = 0.565;
+    d->body = 0.035;
+    d->laws = below(from, 2) ? 0 : below(from, 4);
+    for (int i = 0; i < d->laws; i++)
+        build_law(from, &d->law[i]);
+    perturb(from, d, offsetof(rg_drive, law));
+    if (d->laws > 0 && d->laws <= 8)
+        perturb(from, d->law, (size_t)d->laws * sizeof *d->law);
 }
 
 /* The tables' memory is the caller's to free. */
@@ -270,7 +293,8 @@ static void replay(bytes *from) {
     const int32_t other = extreme_whole(from); /* more than there are would be the caller's lie */
     const int64_t said = below(from, 16) == 0 && other < rows ? other : rows;
     const int32_t status = ended(
-        1, rg_replay(&drive, said, segments, start, t, commands, initial, poses, speeds, &why),
+        1,
+        rg_replay(&drive, said, segments, start, t, commands, initial, poses, speeds, NULL, &why),
         &why);
     for (int i = 0; status == RG_OK && i < 3 * rows; i++)
         if (!isfinite(poses[i]))

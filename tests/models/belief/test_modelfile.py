@@ -153,6 +153,15 @@ robots = [3]
 word = "left"
 [extension.causes.parameters]
 limit = { value = 4.0, low = 3.9, high = 4.1, unit = "rad/s" }
+[[extension.laws]]
+channel = "turn"
+robots = [3]
+unit = "rad/s"
+amplitudes = [{ robot = 3, value = 0.1, low = 0.09, high = 0.11 }]
+[[extension.laws.atoms]]
+of = "heading"
+form = "cosine"
+parameters = [1.0, 0.5]
 """
 """Every key that a model file can have."""
 

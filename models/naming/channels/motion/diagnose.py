@@ -21,6 +21,7 @@ from realitygap.models.naming.channels.motion.tracks import Tracks, cut_tracks
 from realitygap.models.naming.channels.motion.unmeasured import unmeasured
 from realitygap.models.naming.diagnosis import Diagnosis
 from realitygap.models.naming.health.reference import Reference, no_reference
+from realitygap.models.naming.laws.told import with_laws
 from realitygap.models.naming.preflight import preflight
 from realitygap.models.naming.rules import Rules
 
@@ -88,7 +89,7 @@ def diagnose(
             reference="" if reference is None else reference.model,
         ),
     )
-    return claimed(examined, log, table, seed=seed)
+    return with_laws(claimed(examined, log, table, seed=seed), log, table)
 
 
 def _not_checked(tracks: Tracks, reference: Reference | None) -> tuple[str, ...]:

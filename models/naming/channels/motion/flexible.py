@@ -66,22 +66,22 @@ class Steps:
         move = np.diff(predicted, axis=0, prepend=predicted[:1])
         move[tracks.first] = 0.0
         middle = predicted[:, 2] - 0.5 * move[:, 2]
-        self._ahead = np.cos(middle) * move[:, 0] + np.sin(middle) * move[:, 1]
-        self._turn = move[:, 2]
+        self.ahead = np.cos(middle) * move[:, 0] + np.sin(middle) * move[:, 1]
+        self.turn = move[:, 2]
         self._cos, self._sin = np.cos(middle), np.sin(middle)
 
     def change(self, channel: str, q: FloatArray) -> FloatArray:
         """(n, 3) change of the predicted poses per unit of a term whose strength follows q."""
         ahead, aside, turn = np.zeros_like(q), np.zeros_like(q), np.zeros_like(q)
         if channel == "speed":
-            ahead = q * self._ahead
+            ahead = q * self.ahead
         elif channel == "aside":
-            aside = q * self._ahead
+            aside = q * self.ahead
         elif channel == "bend":
-            turn = q * np.abs(self._ahead) / 0.1  # rad per 100 mm driven
+            turn = q * np.abs(self.ahead) / 0.1  # rad per 100 mm driven
         else:
-            turn = q * self._turn
-        return self._carried(ahead, aside, turn)
+            turn = q * self.turn
+        return self.carried(ahead, aside, turn)
 
     def of_wheels(self, q: FloatArray, axle: FloatArray) -> FloatArray:
         """(n, 3) change of the predicted poses per unit of each wheel's following its own q.
@@ -90,21 +90,23 @@ class Steps:
             q: (n, 2).
             axle: (n,) m.
         """
-        half = 0.5 * axle * self._turn
-        left, right = q[:, 0] * (self._ahead - half), q[:, 1] * (self._ahead + half)
-        return self._carried(0.5 * (left + right), np.zeros(len(half)), (right - left) / axle)
+        half = 0.5 * axle * self.turn
+        left, right = q[:, 0] * (self.ahead - half), q[:, 1] * (self.ahead + half)
+        return self.carried(0.5 * (left + right), np.zeros(len(half)), (right - left) / axle)
 
-    def _carried(self, ahead: FloatArray, aside: FloatArray, turn: FloatArray) -> FloatArray:
-        """(n, 3) change of the poses from changes of each row's step."""
+    def carried(self, ahead: FloatArray, aside: FloatArray, turn: FloatArray) -> FloatArray:
+        """(n, ..., 3) change of the poses from (n, ...) changes of each row's step."""
+        wide = (-1,) + (1,) * (turn.ndim - 1)
+        cos, sin, own = (one.reshape(wide) for one in (self._cos, self._sin, self.ahead))
         swing = self._sum(turn)
-        across = aside + self._ahead * swing
-        x = self._sum(self._cos * ahead - self._sin * across)
-        y = self._sum(self._sin * ahead + self._cos * across)
-        return np.column_stack([x, y, swing])
+        across = aside + own * swing
+        x = self._sum(cos * ahead - sin * across)
+        y = self._sum(sin * ahead + cos * across)
+        return np.stack([x, y, swing], axis=-1)
 
     def _sum(self, values: FloatArray) -> FloatArray:
         """Sums from each window's first row."""
-        total = np.cumsum(values)
+        total = np.cumsum(values, axis=0)
         return np.asarray(total - (total - values)[self._first][self._window])
 
 

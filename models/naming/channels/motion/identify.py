@@ -110,6 +110,7 @@ def _of_free(
         fits=tuple(fits),
         away=away(weighed),
         least=least_seen(weighed, gates, known),
+        state=state,
     )
 
 

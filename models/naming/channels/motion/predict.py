@@ -29,6 +29,7 @@ def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
             cut,
             motion.drive,
             motion.motor_delay + motion.pose_delay,
+            tracks.seen[begin:end] if motion.drive.laws else None,
         )
         path[begin:end] = recorded(tracks.t[begin:end], path[begin:end], cut, motion)
     seen = path[tracks.rows]

@@ -8,6 +8,7 @@ another robot or without a pose are in no window: contact is a cause of its own.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ import pandas as pd
 from realitygap.embedded_sim import InputError
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.modelfile import ModelFile
+from realitygap.models.gap.around import carried_on
 from realitygap.models.gap.conditions import clear, conditions
 from realitygap.models.gap.driven import AROUND
 from realitygap.models.gap.replay import replay_log
@@ -74,6 +76,8 @@ class Tracks:
     """Whether the tracker's noise hangs together as that of filtered poses does."""
     used: tuple[Used, ...] = ()
     """How much of each robot's time is in windows, and why not the rest."""
+    body: float = 0.0
+    """m, radius of a robot."""
     rules: Rules = field(default_factory=Rules)
     """By which they were cut, and by which all that is asked of them is judged."""
 
@@ -91,6 +95,14 @@ class Tracks:
     def row_robot(self) -> Rows:
         """(rows,) index into `robots`."""
         return self.segment_robot[self.row_segment]
+
+    @cached_property
+    def seen(self) -> FloatArray:
+        """(rows, 4) where laws find the robots (`gap.around`): x, y, yaw, distance to the next."""
+        names = ("x", "y", "heading", "near_robot")
+        seen = self.about[:, [self.columns.index(name) for name in names]]
+        seen = seen + np.array([0.0, 0.0, 0.0, 2.0 * self.body])
+        return carried_on(seen, np.isfinite(seen[:, :3]).all(axis=1), self.start)
 
     @property
     def since_start(self) -> FloatArray:
@@ -229,6 +241,7 @@ def cut_tracks(
         noise=noise,
         step=log.step,
         part=parts(log)[order],
+        body=model.robot.body_radius,
         used=used(log, clear(table), order[rows], order[cut.unused]),
         rules=rules,
     )

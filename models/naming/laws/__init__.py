@@ -1,0 +1,1 @@
+"""Equations for what no listed cause explains: proposed, proved on held-out blocks, told."""
