@@ -72,14 +72,14 @@ def draw_rivals(one: Named, path: Path) -> None:
 
 def draw_curves(curves: Sequence[tuple[str, str, FloatArray, FloatArray]], path: Path) -> None:
     """What follows a quantity without a law: channel, quantity, its values, amplitudes."""
-    figure = _figure(10, 3.0)
+    figure = canvas(10, 3.0)
     for axis, (channel, of, at, size) in zip(
         np.atleast_1d(figure.subplots(1, len(curves))), curves, strict=True
     ):
         axis.plot(at, size, color="#4878a8")
         axis.axhline(0.0, color="#222222", linewidth=1)
         axis.set(xlabel=of.replace("_", " "), ylabel=f"change of {channel}")
-    _save(figure, path)
+    save(figure, path)
 
 
 def draw_profiles(examined: Examination, path: Path) -> None:
