@@ -87,7 +87,7 @@ def in_arena(poses: FloatArray, place: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Seen:
+class Witnessed:
     """What sensors and poses say of the frame."""
 
     model: PointModel
@@ -167,7 +167,7 @@ class Seen:
         return np.concatenate([*told, place / BEFOREHAND])
 
 
-def seen_in(log: MeasuredLog, model: PointModel, *, arena: bool = True) -> Seen:
+def seen_in(log: MeasuredLog, model: PointModel, *, arena: bool = True) -> Witnessed:
     """What a log says of the frame.
 
     Args:
@@ -190,7 +190,7 @@ def seen_in(log: MeasuredLog, model: PointModel, *, arena: bool = True) -> Seen:
         inside = log.frame["nest"].astype("Float64").to_numpy(float, na_value=np.nan)[rows]
     time = (log.t - log.t[log.start[:-1]][log.segment])[rows]
     key = log.segment[rows] * 10**6 + nth(time, BLOCK)
-    return Seen(
+    return Witnessed(
         model=model,
         reach=model.arena_radius - model.body_radius if arena else np.inf,
         poses=log.poses[rows],
@@ -203,7 +203,7 @@ def seen_in(log: MeasuredLog, model: PointModel, *, arena: bool = True) -> Seen:
     )
 
 
-def frame_of(seen: Seen, rules: Rules = Rules()) -> Frame | None:
+def frame_of(seen: Witnessed, rules: Rules = Rules()) -> Frame | None:
     """Where the model's arena lies in a log's frame; None: where the model has it, or unknown."""
     if not seen.told:
         return None
@@ -225,7 +225,7 @@ def frame_of(seen: Seen, rules: Rules = Rules()) -> Frame | None:
     return Frame(turn=turn, x=x, y=y, sd=sd, witnesses=speaking)
 
 
-def _starts(seen: Seen) -> Iterator[FloatArray]:
+def _starts(seen: Witnessed) -> Iterator[FloatArray]:
     """Turns about where the log has its middle, and about the middle of all poses."""
     low, high = np.quantile(seen.poses[:, :2], (0.01, 0.99), axis=0)
     middles = np.zeros(2), (low + high) / 2.0

@@ -7,6 +7,10 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from pathlib import Path
 
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+
 from realitygap.models.log.measured import SAMPLES
 from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.reality.rays import DEFAULT_RAYS, RaysName
@@ -21,7 +25,6 @@ from realitygap.studies.demo.story import (
     food_line,
     gap_line,
     named_line,
-    table,
 )
 from realitygap.studies.gain.measure import gain
 from realitygap.studies.plumbing.execution import Workers, completed
@@ -159,9 +162,12 @@ def _without_truth(run: Files) -> Files:
 def _name(story: Story, out: Path) -> None:
     """Diagnose as the command line does, in a process that has the log alone."""
     with scratch() as given:
-        samples = table(story.before[0], "samples")
-        samples = samples[samples["t"] < 60.0 * story.size.log_minutes]
-        samples.assign(run=ANONYMOUS).to_parquet(given / LOG, index=False)
+        samples = pq.read_table(pa.BufferReader(story.before[0][SAMPLES]))
+        samples = samples.filter(pc.field("t") < 60.0 * story.size.log_minutes)
+        run = samples.schema.get_field_index("run")
+        nobody = pa.array([ANONYMOUS] * len(samples))
+        # the file goes on saying what recorded it, which a table of pandas would not
+        pq.write_table(samples.set_column(run, "run", nobody), given / LOG)
         story.diagnosis, error = diagnose(given)
         story.failure = error or ""
         if story.diagnosis is not None:

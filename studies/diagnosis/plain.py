@@ -20,7 +20,7 @@ def plain_sentence(named: Named, names: Names) -> str:
     """What is wrong, of whom, by how much with its 95 % interval, and what to do."""
     cause = named.term.cause
     parameters = {p.name: p for p in (*cause.parameters, *cause.given)}
-    told = {v.name: Amount(v, parameters[v.name]) for v in (*named.values, *named.given)}
+    told = {v.name: PlainAmount(v, parameters[v.name]) for v in (*named.values, *named.given)}
     owner = whose(named, names)
     words = {"Whose": owner[0].upper() + owner[1:], "whose": owner}
     return cause.plain.format(**words, which=_which(cause.word, named.term.variant), **told)
@@ -45,7 +45,7 @@ def _which(word: str, variant: str) -> str:
     return "ring of sensors" if variant == "all" else f"{word} {variant}"
 
 
-class Amount:
+class PlainAmount:
     """A value with its interval; its format says as what it is told (`Cause.plain`)."""
 
     def __init__(self, value: Value, parameter: Parameter) -> None:

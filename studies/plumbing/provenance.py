@@ -21,7 +21,7 @@ Inputs: TypeAlias = Sequence[dict[str, str]]
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("embedded_sim", "reality", "models", "studies")
 """Folders of `ROOT` that the program is."""
-SOURCES = (".py", ".c", ".h", ".toml", ".npz", ".json", ".j2")
+SOURCES = (".py", ".c", ".h", ".toml", ".npz", ".json", ".j2", ".css", ".md")
 """Endings of what people wrote, and of the data that ships."""
 EXTRA = ("pybullet", "mujoco-core")
 """Libraries that matter where they are installed."""

@@ -70,6 +70,9 @@ def test_the_whole_story_in_short(tmp_path: Path, capfd: pytest.CaptureFixture[s
         assert f'<a href="{name}">' in page
         assert "The swarm" in (tmp_path / name).read_text(encoding="utf-8")
     assert not list(tmp_path.rglob("truth.json"))  # nothing but the seal holds what was hidden
+    found = json.loads((tmp_path / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8"))
+    entries = {one["name"]: one["value"] for one in found["log"]["preflight"]}
+    assert entries["recorded_like_reference"] is True  # cut, the log still says what recorded it
     assert content["diagnosis"]["named"]  # of so short a log more may be named beside it
     assert "hidden was second_lamp: rightly named" in story.verdict
     causes = content["diagnosis"]["causes"]

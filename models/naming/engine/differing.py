@@ -29,7 +29,7 @@ def differing(state: State) -> State:
     half of the robots less one may be ill.
     """
     robots = len(state.robots)
-    if robots < state.rules.least_swarm:
+    if robots < 2 * state.rules.least_swarm:  # of fewer one ill robot is too large a part
         return state
     most = robots // 2 + 1
     names = state.robots[0].names

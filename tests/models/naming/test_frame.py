@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from realitygap.embedded_sim import PointModel, readings
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.naming.frame import Seen, frame_of, in_arena
+from realitygap.models.naming.frame import Witnessed, frame_of, in_arena
 from tests.models.small import tables
 
 ROWS = 1500
@@ -37,7 +37,7 @@ def seen(
     lamp: tuple[float, float] = (0.0, 0.0),
     senses: bool = True,
     nest: bool = True,
-) -> Seen:
+) -> Witnessed:
     """What robots tell that stood all over an arena; `lamp` is how far that was moved."""
     rng = np.random.default_rng(np.random.SeedSequence(5))
     model = PointModel(tables=tables())
@@ -51,7 +51,7 @@ def seen(
     read = np.hstack([both.ps, both.ls]) + rng.normal(0, 5, (ROWS, 16))
     x, y, radius = model.nest
     inside = (np.hypot(poses[:, 0] - x, poses[:, 1] - y) < radius).astype(float)
-    return Seen(
+    return Witnessed(
         model=model,
         reach=reach,
         poses=placed_at(poses, np.array(place)),
