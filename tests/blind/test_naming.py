@@ -73,6 +73,7 @@ def test_five_robots_with_five_faults_of_geometry_and_mounting_are_told_apart() 
     )
 
 
+@pytest.mark.slow
 def test_five_robots_with_five_faults_of_motors_are_told_apart() -> None:
     check(
         *told(
@@ -98,6 +99,7 @@ def test_what_no_catalogue_lists_is_called_unexplained_by_what_it_follows() -> N
     assert not score(trial, answer).accused
 
 
+@pytest.mark.slow
 def test_a_lamp_that_stands_somewhere_else_altogether_is_found() -> None:
     moved = Hidden("lamp_moved", {"x": -1.0, "y": 0.4}, (), 1.08, 108.0)
     assert all(check(*told(moved, seed=506)).inside)

@@ -33,7 +33,9 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("case", "controller"), CASES)
+@pytest.mark.parametrize(
+    ("case", "controller"), [CASES[0], pytest.param(*CASES[1], marks=pytest.mark.slow)]
+)
 def test_phototaxis_beats_search_where_the_lamp_makes_it_useful(case: str, controller: str) -> None:
     phototaxis = sum(food((case, controller, 4.0, seed)) for seed in (1, 2))
     search = sum(food((case, "search", 4.0, seed)) for seed in (1, 2))

@@ -276,6 +276,7 @@ def test_a_cluster_whose_workers_come_and_go_computes_the_same_bytes(
     assert results(out) == results(local)
 
 
+@pytest.mark.slow
 def test_a_blind_battery_on_a_cluster_is_the_one_of_local_processes(
     cluster: tuple[str, list[subprocess.Popen[bytes]]], tmp_path: Path
 ) -> None:

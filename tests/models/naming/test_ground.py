@@ -45,7 +45,7 @@ def test_an_epuck_flies_the_menu_as_it_is(name: str) -> None:
     assert (found.commands == planned[1]).all()
 
 
-@settings(max_examples=12)
+@settings(max_examples=6)
 @given(
     body=SIZES,
     wheel=st.floats(0.2, 1.2),
@@ -69,7 +69,8 @@ def test_no_robot_is_sent_out_of_its_room_or_beyond_its_speed(
     out = np.hypot(found.poses[..., 0], found.poses[..., 1]).max() + body
     assert out <= place.radius
     assert np.abs(found.commands).max() <= fastest * (1.0 + 1e-9)
-    assert len(found.poses) == round(SECONDS / CONTROL_STEP)
+    # whole steps of the e-puck's time, each of which lasts 1 / pace as long here
+    assert abs(len(found.poses) - SECONDS / CONTROL_STEP) <= 0.5 / place.pace + 0.5
     assert found.clear.all()  # there is no wall
 
 

@@ -72,7 +72,10 @@ def test_light_that_hardly_anybody_sees_is_the_lamps_and_a_covered_sensor_is_its
     assert names(examined(frame)) == [("lamp_moved", "", "all"), ("ls_dead_sensor", "2", (3,))]
 
 
-@pytest.mark.parametrize(("share", "dead"), [(0.5, False), (0.001, True)])
+@pytest.mark.parametrize(
+    ("share", "dead"),
+    [pytest.param(0.5, False, marks=pytest.mark.slow), (0.001, True)],
+)
 def test_a_sensor_that_has_seen_light_is_not_dead(share: float, dead: bool) -> None:
     frame = table({})
     mine = np.flatnonzero(frame["robot"] == 3)
