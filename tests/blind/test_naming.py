@@ -87,6 +87,7 @@ def test_five_robots_with_five_faults_of_motors_are_told_apart() -> None:
     )
 
 
+@pytest.mark.slow
 def test_what_no_catalogue_lists_is_called_unexplained_by_what_it_follows() -> None:
     lossy = hide("speed_loss", 2, share=0.06)
     eccentric = hide("eccentric_wheel", 6, share=0.1, wheel="left")

@@ -93,7 +93,11 @@ def test_a_shell_completes_commands_and_options() -> None:
 @pytest.mark.parametrize(
     ("words", "file"),
     [
-        (("gap", "LOG", "--model", EXAMPLE / "robot.toml", "--out", "OUT"), "gap.json"),
+        pytest.param(
+            ("gap", "LOG", "--model", EXAMPLE / "robot.toml", "--out", "OUT"),
+            "gap.json",
+            marks=pytest.mark.slow,
+        ),
         (("diagnose", "LOG", "--model", EXAMPLE / "robot.toml", "--out", "OUT"), "diagnosis.json"),
         (("run", "--minutes", "0.05", "--robots", "2", "--out", "OUT"), "run.json"),
     ],

@@ -16,7 +16,10 @@ def blocks(document: str, language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", text, flags=re.DOTALL)
 
 
-@pytest.mark.parametrize(("document", "number"), [("README.md", 5), ("docs/experiment.md", 5)])
+@pytest.mark.parametrize(
+    ("document", "number"),
+    [("README.md", 5), pytest.param("docs/experiment.md", 5, marks=pytest.mark.slow)],
+)
 def test_every_realitygap_command_works(tmp_path: Path, document: str, number: int) -> None:
     """In order, in a directory of its own, with the paths that the document uses."""
     (tmp_path / "docs").symlink_to(ROOT / "docs")
