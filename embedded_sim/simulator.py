@@ -113,6 +113,7 @@ def replay(
     initial: npt.ArrayLike,
     *,
     drive: Drive,
+    rolling: npt.ArrayLike | None = None,
     seen: npt.ArrayLike | None = None,
 ) -> Replay:
     """Drive logged commands through the point model, all runs and robots in one call.
@@ -125,6 +126,8 @@ def replay(
         start: (segments + 1,) first row of each segment (one run of one robot), and the row count.
         initial: (segments, 3) pose at each segment's first row.
         drive: The motion model.
+        rolling: (segments, 2) rad/s at which wheels turn at first and until a command has arrived;
+            None: at rest.
         seen: (rows, 4) where laws find the robot from each row on: x, y (m), yaw (rad), distance to
             the next robot's middle (m); None: where the replay has it, and alone.
 
@@ -140,6 +143,7 @@ def replay(
         raise InputError("start", "nothing", f"increasing rows from 0 to {rows}")
     segments = len(starts) - 1
     first = array("initial", initial, np.float64, (segments, 3))
+    began = None if rolling is None else array("rolling", rolling, np.float64, (segments, 2))
     around = None if seen is None else array("seen", seen, np.float64, (rows, 4))
     result = Replay(np.empty((rows, 3)), np.empty((rows, 2)))
     why = refusal()
@@ -151,6 +155,7 @@ def replay(
         memory("double[]", times),
         memory("double[]", command),
         memory("double[]", first),
+        ffi.NULL if began is None else memory("double[]", began),
         memory("double[]", result.poses),
         memory("double[]", result.speeds),
         ffi.NULL if around is None else memory("double[]", around),

@@ -225,12 +225,15 @@ int32_t rg_evaluate(const rg_model *m, const rg_behaviour *b, rg_trials *set, rg
 /* Drive logged commands through the model, one chain of motors per run and robot.
  * Segment k holds rows start[k] .. start[k+1]-1; commands (rows, 2) hold from their row's time to
  * the next row's. poses (rows, 3): x, y, yaw at each row's time, row start[k] being initial[k].
+ * rolling (segments, 2), which may be null (at rest), is how fast (rad/s) the wheels turn at first
+ * and until a command has arrived.
  * speeds (rows, 2), if not null, are the wheel speeds at each row's time. seen (rows, 4), which
  * may be null, is where laws find the robot from a row on: x, y, yaw, distance to the next robot's
  * middle (m); without it they find it where the replay has it, and alone. */
 int32_t rg_replay(const rg_drive *drive, int64_t rows, int32_t segments, const int64_t *start,
-                  const double *t, const double *commands, const double *initial, double *poses,
-                  double *speeds, const double *seen, rg_refusal *why);
+                  const double *t, const double *commands, const double *initial,
+                  const double *rolling, double *poses, double *speeds, const double *seen,
+                  rg_refusal *why);
 
 /* What the sensors read at given poses (rows, 3), without noise; scenario per row, and t (rows,)
  * the time since the log began (s), which may be null. ps, ls: (rows, 8), either may be null. */

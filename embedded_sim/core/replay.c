@@ -21,10 +21,12 @@ static void rg_replay_laws(const rg_drive *d, int64_t row, double since, double 
 }
 
 /* One interval of a log, cut where a delayed command reaches the motors. `arrived` is the row of
- * the command at the motors (first - 1: none yet, at rest); it only moves forward. */
+ * the command at the motors (first - 1: none yet, the wheels go on as they began); it only moves
+ * forward. */
 static void rg_replay_interval(const rg_drive *d, const double *t, const double *commands,
                                int64_t first, int64_t row, int64_t *arrived, double *speed,
-                               double *pose, double *heading, const double *seen) {
+                               const double *began, double *pose, double *heading,
+                               const double *seen) {
     double now = t[row];
     const double end = t[row + 1];
     while (now < end) {
@@ -33,9 +35,9 @@ static void rg_replay_interval(const rg_drive *d, const double *t, const double 
         double until = end;
         if (*arrived < row)
             until = rg_min(end, t[*arrived + 1] + d->latency);
-        const int moving = *arrived >= first;
-        const double left = moving ? commands[2 * *arrived] : 0.0;
-        const double right = moving ? commands[2 * *arrived + 1] : 0.0;
+        const int told = *arrived >= first;
+        const double left = told ? commands[2 * *arrived] : began[0];
+        const double right = told ? commands[2 * *arrived + 1] : began[1];
         const rg_part part = rg_part_of(d, until - now);
         const double since = now - t[first];
         const double l = rg_wheel_advance(d, 0, &speed[0], left, &part, since);
@@ -78,8 +80,9 @@ static int32_t rg_refuse_command(rg_refusal *why, int64_t row, double since, dou
 }
 
 int32_t rg_replay(const rg_drive *drive, int64_t rows, int32_t segments, const int64_t *start,
-                  const double *t, const double *commands, const double *initial, double *poses,
-                  double *speeds, const double *seen, rg_refusal *why) {
+                  const double *t, const double *commands, const double *initial,
+                  const double *rolling, double *poses, double *speeds, const double *seen,
+                  rg_refusal *why) {
     if (rg_check_drive(drive, why) != RG_OK ||
         !rg_check_segments(why, rows, segments, start, initial) || !rg_there(why, "t", t, rows) ||
         !rg_there(why, "commands", commands, rows) || !rg_there(why, "poses", poses, rows))
@@ -88,7 +91,13 @@ int32_t rg_replay(const rg_drive *drive, int64_t rows, int32_t segments, const i
         const int64_t first = start[k], last = start[k + 1] - 1;
         double pose[3] = {initial[3 * k], initial[3 * k + 1], initial[3 * k + 2]};
         double heading[2] = {cos(pose[2]), sin(pose[2])};
-        double speed[2] = {0.0, 0.0};
+        double began[2] = {0.0, 0.0};
+        for (int side = 0; rolling != NULL && side < 2; side++) {
+            began[side] = rolling[2 * k + side];
+            if (!rg_within(why, "rolling", k, began[side], RG_DATA))
+                return RG_BAD_ARGUMENT;
+        }
+        double speed[2] = {began[0], began[1]};
         int64_t arrived = first - 1;
         for (int64_t row = first; row <= last; row++) {
             const double since = row > first ? t[row - 1] : -DBL_MAX;
@@ -96,8 +105,8 @@ int32_t rg_replay(const rg_drive *drive, int64_t rows, int32_t segments, const i
                   rg_finite(commands[2 * row + 1])))
                 return rg_refuse_command(why, row, since, t[row], commands + 2 * row);
             if (row > first)
-                rg_replay_interval(drive, t, commands, first, row - 1, &arrived, speed, pose,
-                                   heading, seen);
+                rg_replay_interval(drive, t, commands, first, row - 1, &arrived, speed, began,
+                                   pose, heading, seen);
             for (int i = 0; i < 3; i++)
                 poses[3 * row + i] = pose[i];
             if (speeds != NULL) {

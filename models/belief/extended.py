@@ -39,6 +39,9 @@ def extended_text(model: ModelFile, added: Extension, tables: str | None = None)
     if laws := (*earlier.laws, *added.laws):
         told = [one.model_dump(mode="json", exclude_none=True) for one in laws]
         content["extension"]["laws"] = told
+    if terms := (*earlier.calibration, *added.calibration):
+        told = [one.model_dump(mode="json", exclude_none=True) for one in terms]
+        content["extension"]["calibration"] = told
     if names := earlier.names | added.names:
         content["extension"]["names"] = names
     return tomli_w.dumps(content)

@@ -153,6 +153,8 @@ class Extension(Table):
     command: str = ""
     causes: tuple[NamedCause, ...] = ()
     laws: tuple[WrittenLaw, ...] = ()
+    calibration: tuple[NamedCause, ...] = ()
+    """Terms with values that predict best beside the others: fitted, and no diagnosis."""
     names: dict[Annotated[str, Field(min_length=1)], Annotated[int, Field(ge=0)]] = Field(
         default_factory=dict
     )
@@ -175,7 +177,8 @@ class Extension(Table):
     def robots(self) -> list[int]:
         """Robots that some cause concerns and others not, in order; empty: all are alike."""
         told = [own for law in self.laws for own in law.amplitudes if own.robot is not None]
-        causes = [one.robots for one in self.causes if one.robots != "all"]
+        every = (*self.causes, *self.calibration)
+        causes = [one.robots for one in every if one.robots != "all"]
         return sorted({r for robots in causes for r in robots} | {one.robot or 0 for one in told})
 
     def check_robots(self, known: Collection[int], file: str) -> None:
@@ -202,12 +205,14 @@ class Extension(Table):
         """Of each cause and law of some robots, which."""
         for index, cause in enumerate(self.causes):
             yield "causes", index, () if cause.robots == "all" else cause.robots
+        for index, term in enumerate(self.calibration):
+            yield "calibration", index, () if term.robots == "all" else term.robots
         for index, law in enumerate(self.laws):
             yield "laws", index, () if law.robots == "all" else law.robots
 
     def applied(self, motion: Motion, robot: int | None) -> Motion:
         """The motion of a robot with every cause and law that concerns it."""
-        for cause in self.causes:
+        for cause in (*self.causes, *self.calibration):
             if cause.concerns(robot):
                 motion = cause.applied(motion)
         for law in self.laws:

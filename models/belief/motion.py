@@ -19,6 +19,9 @@ class Motion:
     """From commands to the robot's motion over the floor."""
     encoder_drive: Drive | None = None
     """From commands to the wheels' own speeds where these differ, as in slip; None: `drive`."""
+    wheel_gain: tuple[float, float] = (1.0, 1.0)
+    """How far the left and the right wheel turn, over what their commands ask for. What the robot
+    drives for it is in `drive` already; the encoders see it too."""
     motor_delay: float = 0.0
     """s by which motors answer later than `drive.latency` says; negative: earlier."""
     pose_delay: float = 0.0

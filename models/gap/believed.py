@@ -73,7 +73,8 @@ def replay_segments(
     late = motion.motor_delay + motion.pose_delay
     whole = around(log, motion.drive)
     seen = None if whole is None else whole[rows]
-    path = driven(log.t[rows], commands, cut, motion.drive, late, seen)
+    rolling = None if log.rolling is None else log.rolling[list(segments)]
+    path = driven(log.t[rows], commands, cut, motion.drive, late, seen, rolling)
     path = recorded(log.t[rows], path, cut, motion)
     return rows, as_seen(path, motion)
 

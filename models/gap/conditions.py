@@ -101,6 +101,11 @@ def clear(table: pd.DataFrame) -> npt.NDArray[np.bool_]:
     return np.asarray(ok)
 
 
+def never_touching(table: pd.DataFrame, tracked: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """(rows,) clear as far as is known: of a row without a pose nothing is."""
+    return clear(table) | ~tracked
+
+
 def bins(name: str, values: FloatArray, *, names: tuple[str, ...] = ()) -> Bins:
     """Cut a condition into groups, by kind: angles into sectors, time evenly, the rest by quantile.
 

@@ -30,6 +30,7 @@ def driven(
     drive: Drive,
     delay: float,
     seen: FloatArray | None = None,
+    rolling: FloatArray | None = None,
 ) -> FloatArray:
     """(rows, 3) poses at the times when the rows' poses were really taken.
 
@@ -40,6 +41,7 @@ def driven(
         drive: What moves the robot.
         delay: s by which its answer shows late, beyond the drive's latency; negative: early.
         seen: (rows, 4) where laws find the robot (`gap.around`); None: where the replay has it.
+        rolling: (segments, 2) rad/s of the wheels at first (`MeasuredLog.rolling`); None: at rest.
     """
     total = drive.latency + delay
     origin = np.zeros((len(cut) - 1, 3))
@@ -47,7 +49,7 @@ def driven(
         total >= 0.0 or len(t) < 2
     ):  # one row goes nowhere; late poses and late commands are the same in motion
         late = with_changes(drive, latency=max(total, 0.0))
-        return replay(t, commands, cut, origin, drive=late, seen=seen).poses
+        return replay(t, commands, cut, origin, drive=late, rolling=rolling, seen=seen).poses
     took = np.diff(t)
     left_out = took > AROUND  # rows between windows: none of these looks so far
     whole = len(cut) == 2 and not left_out.any()
@@ -56,13 +58,13 @@ def driven(
     regular[cut[1:-1] - 1] = True
     regular |= left_out
     if not regular.all():
-        return _ahead(t, commands, cut, with_changes(drive, latency=0.0), -total, seen)
+        return _ahead(t, commands, cut, with_changes(drive, latency=0.0), -total, seen, rolling)
     rows = int(np.ceil(-total / step))
     earlier = np.minimum(np.arange(len(t)) + rows, np.repeat(cut[1:], np.diff(cut)) - 1)
     given = np.ascontiguousarray(commands[earlier])
     shifted = with_changes(drive, latency=rows * step + total)
     there = None if seen is None else seen[earlier]
-    return replay(t, given, cut, origin, drive=shifted, seen=there).poses
+    return replay(t, given, cut, origin, drive=shifted, rolling=rolling, seen=there).poses
 
 
 def recorded(t: FloatArray, path: FloatArray, cut: Rows, motion: Motion) -> FloatArray:
@@ -98,7 +100,12 @@ def recorded(t: FloatArray, path: FloatArray, cut: Rows, motion: Motion) -> Floa
 
 
 def wheel_turns(
-    t: FloatArray, commands: FloatArray, cut: Rows, drive: Drive, delay: float
+    t: FloatArray,
+    commands: FloatArray,
+    cut: Rows,
+    drive: Drive,
+    delay: float,
+    rolling: FloatArray | None = None,
 ) -> FloatArray:
     """(rows, 2) rad each wheel has turned by each row, from 0; arguments as `driven`."""
     turned = np.empty((len(t), 2))
@@ -106,7 +113,7 @@ def wheel_turns(
         # a body with one wheel of 1 m and an axle of 1 m turns as that wheel does
         radius = (0.0, 1.0) if side else (-1.0, 0.0)
         alone = with_changes(drive, wheel_radius=radius, axle=1.0, laws=())
-        turned[:, side] = driven(t, commands, cut, alone, delay)[:, 2]
+        turned[:, side] = driven(t, commands, cut, alone, delay, rolling=rolling)[:, 2]
     return turned
 
 
@@ -117,6 +124,7 @@ def _ahead(
     drive: Drive,
     seconds: float,
     seen: FloatArray | None,
+    rolling: FloatArray | None,
 ) -> FloatArray:
     """(rows, 3) poses that a robot will have some seconds after each row's time."""
     segment = np.repeat(np.arange(len(cut) - 1), np.diff(cut))
@@ -134,8 +142,10 @@ def _ahead(
     taken = np.flatnonzero(np.concatenate([[True], np.diff(kept) > 0]))
     origin = np.zeros((len(cut) - 1, 3))
     there = None if seen is None else seen[given[taken]]
-    driven = replay(times, commands[given[taken]], starts, origin, drive=drive, seen=there).poses
-    return np.asarray(driven[kept[later[len(t) :]]])
+    path = replay(
+        times, commands[given[taken]], starts, origin, drive=drive, rolling=rolling, seen=there
+    ).poses
+    return np.asarray(path[kept[later[len(t) :]]])
 
 
 def _increasing(times: FloatArray, starts: Rows) -> tuple[FloatArray, Rows]:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.gap.conditions import Bins, bins, clear
+from realitygap.models.gap.conditions import Bins, bins, never_touching
 from realitygap.models.gap.flips import Means, residual_maps, scores
 from realitygap.models.gap.replay import CHANNELS, HORIZONS, errors, windows
 from realitygap.models.gap.shares import Share, split
@@ -111,7 +111,7 @@ def _horizon(
     conditions = window_conditions(log, table, pairs, between)
     free = np.ones(len(pairs.first), dtype=bool)
     if seconds <= CLEAR_TO:
-        free = throughout(clear(table), pairs)
+        free = throughout(never_touching(table, log.tracked), pairs)
     if not free.any():
         free[:] = True
     maps = _maps(log, error, floor, conditions, free, pairs, rng, family)

@@ -86,7 +86,9 @@ def replay_log(log: MeasuredLog, drive: Drive) -> FloatArray:
     """
     origin = np.zeros((len(log.segments), 3))
     seen = around(log, drive)
-    return replay(log.t, log.commands, log.start, origin, drive=drive, seen=seen).poses
+    return replay(
+        log.t, log.commands, log.start, origin, drive=drive, rolling=log.rolling, seen=seen
+    ).poses
 
 
 def errors(measured: FloatArray, replayed: FloatArray, pairs: Windows) -> FloatArray:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +22,11 @@ from realitygap.embedded_sim import Drive, InputError
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.log.even import evened
 from realitygap.models.log.named import Names, numbered
+from realitygap.models.log.obeyed import disobeyed
 from realitygap.models.log.plausible import check_units
 from realitygap.models.log.schema import (
     BODY_COMMANDS,
+    ENCODERS,
     KEYS,
     POSE,
     UNITS,
@@ -82,6 +85,14 @@ class MeasuredLog:
     def poses(self) -> FloatArray:
         """(rows, 3) measured x, y (m) and yaw (rad); NaN where not tracked."""
         return np.ascontiguousarray(self.frame[list(POSE)].to_numpy(dtype=np.float64))
+
+    @cached_property
+    def rolling(self) -> FloatArray | None:
+        """(segments, 2) rad/s at which wheels turn as segments begin, where encoders tell."""
+        if not set(ENCODERS) <= set(self.frame.columns):
+            return None
+        first = self.frame[list(ENCODERS)].to_numpy(dtype=np.float64)[self.start[:-1]]
+        return np.asarray(np.nan_to_num(first))
 
     @property
     def robots(self) -> npt.NDArray[Any]:
@@ -175,11 +186,22 @@ def make_log(
         notes.append(f"stamps jitter by {1e3 * jitter:.2g} ms where the motion is even: made even")
         usable["t"] = t = even
         steps = np.diff(t)
+    other = np.zeros(len(t), dtype=bool)
+    if set(ENCODERS) <= set(usable.columns):
+        wheels = usable[list(ENCODERS)].to_numpy(dtype=np.float64)
+        other = disobeyed(t, commands, wheels, start)
+    if other.any():
+        seconds = float(np.append(steps, step)[other].clip(0.0, GAP_STEPS * step).sum())
+        notes.append(
+            f"{seconds:.3g} s set aside: by the encoders the wheels did not follow the log's "
+            "commands at all, as in a robot driven by hand or switched off"
+        )
     breaks = ~inside | (steps > GAP_STEPS * step) | dropped_before[1:]
     gaps = int((inside & breaks).sum())
     if gaps:
         notes.append(f"{gaps} gaps in time: nothing is replayed across them")
     check_units(t, poses, commands, start, drive=drive, names=names, fastest=fastest)
+    breaks |= np.diff(other.astype(np.int8)) != 0
     stretch = np.concatenate([[0], np.cumsum(breaks)])
     segment = np.repeat(np.arange(len(segments)), np.diff(start))
     again = held(poses, np.any(commands != 0.0, axis=1), segment)
@@ -194,7 +216,7 @@ def make_log(
         start=start,
         segments=segments,
         commands=commands,
-        tracked=track.tracked,
+        tracked=track.tracked & ~other,
         stretch=stretch + np.cumsum(track.jumps),
         held=again,
         step=step,

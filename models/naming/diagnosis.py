@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
-from realitygap.models.belief.extension import Extension
+from realitygap.models.belief.extension import Extension, NamedCause
 from realitygap.models.log.named import Names
 from realitygap.models.log.preflight.entry import PreflightEntry
 from realitygap.models.log.used import Used
@@ -78,6 +78,17 @@ class Detectable:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Calibrated:
+    """Values with which one robot is predicted best, and which are no diagnosis."""
+
+    robot: int
+    terms: tuple[NamedCause, ...]
+    """Of the catalogue, all together; by itself none means what its name says."""
+    errors: dict[str, tuple[float, float]]
+    """By key of `gain`, mean error without and with them, on halves they were not fitted to."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Diagnosis:
     """All that is said about one log."""
 
@@ -85,6 +96,8 @@ class Diagnosis:
     unexplained: tuple[Unexplained, ...] = ()
     laws: tuple[FoundLaw, ...] = ()
     """Equations for what is unexplained."""
+    calibration: tuple[Calibrated, ...] = ()
+    """Of robots of which something stays open."""
     gain: dict[str, Gain] = field(default_factory=dict)
     detectable: tuple[Detectable, ...] = ()
     untold: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
@@ -167,6 +180,7 @@ def as_json(found: Diagnosis) -> dict[str, Any]:
             for one in found.unexplained
         ],
         **({"laws": laws} if laws else {}),
+        "calibration": [_calibrated(one, names) for one in found.calibration],
         "next_experiment": next_experiment(found),
         "gain": {name: asdict(gain) for name, gain in found.gain.items()},
         "detectable": {one.cause: _detectable(one, names) for one in found.detectable},
@@ -206,6 +220,19 @@ def _cause(named: Named, names: Names) -> dict[str, Any]:
     }
 
 
+def _calibrated(one: Calibrated, names: Names) -> dict[str, Any]:
+    return {
+        "robot": names.key(one.robot),
+        "values": [
+            {"name": term.name}
+            | ({"word": term.word} if term.word else {})
+            | {key: {"value": v.value, "unit": v.unit} for key, v in term.parameters.items()}
+            for term in one.terms
+        ],
+        "errors": {key: {"before": b, "after": a} for key, (b, a) in one.errors.items()},
+    }
+
+
 def _detectable(one: Detectable, names: Names) -> dict[str, Any]:
     said = {name: value for name, value in asdict(one).items() if name != "cause"}
     return said | {"robot": None if one.robot is None else names.key(one.robot)}
@@ -216,6 +243,16 @@ def extension(found: Diagnosis, *, log_hash: str, command: str) -> Extension:
     causes = (written(one, one.values) for one in found.named if one.exported)
     laws = (law_table(one) for one in found.laws if one.exported)
     known = {name: robot for robot, name in found.names.items()}
+    calibrated = (
+        term.model_copy(update={"robots": (one.robot,)})
+        for one in found.calibration
+        for term in one.terms
+    )
     return Extension(
-        log=log_hash, command=command, causes=tuple(causes), laws=tuple(laws), names=known
+        log=log_hash,
+        command=command,
+        causes=tuple(causes),
+        laws=tuple(laws),
+        calibration=tuple(calibrated),
+        names=known,
     )

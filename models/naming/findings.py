@@ -10,7 +10,7 @@ from scipy.special import log_ndtr
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
-from realitygap.models.naming.channels.motion.fitted import Fitted, Key
+from realitygap.models.naming.channels.motion.fitted import Fitted, Key, Values
 from realitygap.models.naming.engine.hypothesis import Term
 from realitygap.models.naming.engine.state import State
 from realitygap.models.naming.engine.value import Value
@@ -133,5 +133,7 @@ class Identified:
     least: dict[str, FloatArray]
     """(robots, p) by key of a term, coordinates from which on it would have been seen; of a limit
     its value."""
+    by_part: tuple[Values, Values] = ({}, {})
+    """Values of names that were taken from the encoders, as each part of the log gives them."""
     state: State | None = None
     """Of the engine at its end, for laws of what is left; None: nobody asks any more."""

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.gap.believed import motions, replay_believed
-from realitygap.models.gap.conditions import clear, conditions
+from realitygap.models.gap.conditions import conditions, never_touching
 from realitygap.models.gap.motion_gap import throughout
 from realitygap.models.gap.replay import HORIZONS, errors, windows
 from realitygap.models.log.frames import Rows, Windows, motion, moved
@@ -57,7 +57,7 @@ def worst_tracks(
         robots: Whom the causes concern.
     """
     of_row = log.frame["robot"].to_numpy(dtype=np.int64)
-    free = clear(conditions(log, before)) & log.tracked
+    free = never_touching(conditions(log, before), log.tracked)
     for horizon in AHEAD:
         pairs = windows(log, HORIZONS[horizon], apart=True)
         mine = np.isin(of_row[pairs.first], sorted(robots)) if robots else of_row[pairs.first] >= 0

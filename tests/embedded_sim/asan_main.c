@@ -132,19 +132,19 @@ static void replay(const rg_model *m) {
     const rg_drive *drives[2] = {&m->drive, &late};
     for (int i = 0; i < 2; i++) {
         int status =
-            rg_replay(drives[i], ROWS, 3, start, t, commands, initial, poses, speeds, NULL, &why);
+            rg_replay(drives[i], ROWS, 3, start, t, commands, initial, NULL, poses, speeds, NULL, &why);
         if (status == RG_OK)
             status = rg_readings(m, ROWS, poses, scenarios, t, ps, ls, &why);
         if (status != RG_OK)
             fail("replay", status);
     }
     commands[2 * 50] = NAN;
-    if (rg_replay(&m->drive, ROWS, 3, start, t, commands, initial, poses, NULL, NULL, &why) !=
+    if (rg_replay(&m->drive, ROWS, 3, start, t, commands, initial, NULL, poses, NULL, NULL, &why) !=
             RG_BAD_ARGUMENT ||
         why.index != 50)
         fail("replay of NaN", (int)why.index);
     commands[2 * 50] = 1e308;
-    if (rg_replay(&m->drive, ROWS, 3, start, t, commands, initial, poses, NULL, NULL, &why) !=
+    if (rg_replay(&m->drive, ROWS, 3, start, t, commands, initial, NULL, poses, NULL, NULL, &why) !=
             RG_NOT_FINITE ||
         why.index != 51)
         fail("replay beyond the numbers", (int)why.index);

@@ -294,7 +294,7 @@ static void replay(bytes *from) {
     const int64_t said = below(from, 16) == 0 && other < rows ? other : rows;
     const int32_t status = ended(
         1,
-        rg_replay(&drive, said, segments, start, t, commands, initial, poses, speeds, NULL, &why),
+        rg_replay(&drive, said, segments, start, t, commands, initial, NULL, poses, speeds, NULL, &why),
         &why);
     for (int i = 0; status == RG_OK && i < 3 * rows; i++)
         if (!isfinite(poses[i]))

@@ -166,3 +166,37 @@ def test_shapes_that_disagree_are_refused(change: dict[str, object]) -> None:
     good = {"t": [0, 1, 2], "commands": [[1, 1]] * 3, "start": [0, 3], "initial": [[0, 0, 0]]}
     with pytest.raises(ValueError, match=next(iter(change))):
         replay(**{**good, **change}, drive=Drive())
+
+
+def test_wheels_that_roll_as_a_log_begins_keep_their_speed_until_a_command_arrives() -> None:
+    drive = Drive(latency=0.3)
+    t, told = np.arange(21) * 0.05, np.zeros((21, 2))
+    rolling = replay(t, told, [0, 21], [[0, 0, 0]], drive=drive, rolling=[[4.0, 4.0]]).poses
+    assert rolling[-1, 0] == pytest.approx(0.3 * 4.0 * 0.0205, rel=1e-12)
+
+
+@given(speed=speeds, lag=st.floats(0.05, 2.0))
+def test_rolling_wheels_decay_with_the_motors_lag(speed: float, lag: float) -> None:
+    drive = Drive(time_constant=lag)
+    t, told = np.arange(41) * 0.05, np.zeros((41, 2))
+    made = replay(t, told, [0, 41], [[0, 0, 0]], drive=drive, rolling=[[speed, speed]])
+    assert made.speeds[:, 0] == pytest.approx(speed * np.exp(-t / lag), rel=1e-9, abs=1e-12)
+
+
+def test_a_log_that_begins_at_rest_is_the_same_to_the_bit() -> None:
+    t, told = np.arange(50) * 0.04, np.random.default_rng(1).uniform(-5, 5, (50, 2))
+    drive = Drive(latency=0.1, time_constant=0.2)
+    still = replay(t, told, [0, 50], [[0, 0, 0]], drive=drive, rolling=np.zeros((1, 2)))
+    assert (still.poses == replay(t, told, [0, 50], [[0, 0, 0]], drive=drive).poses).all()
+
+
+def test_a_rolling_speed_that_is_no_number_is_refused() -> None:
+    with pytest.raises(InputError, match=r"rolling\[1\]"):
+        replay(
+            np.arange(4.0),
+            np.ones((4, 2)),
+            [0, 2, 4],
+            np.zeros((2, 3)),
+            drive=Drive(),
+            rolling=[[0.0, 0.0], [0.0, np.nan]],
+        )

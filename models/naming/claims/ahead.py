@@ -15,7 +15,7 @@ import pandas as pd
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
 from realitygap.models.gap.believed import replay_segments
-from realitygap.models.gap.conditions import clear
+from realitygap.models.gap.conditions import never_touching
 from realitygap.models.gap.motion_gap import BLOCK_SECONDS, throughout
 from realitygap.models.gap.replay import HORIZONS, errors
 from realitygap.models.log.blocks import nth
@@ -65,7 +65,7 @@ class Ahead:
         self.segment_robot = log.segments["robot"].to_numpy(dtype=np.int64)
         self.robots = np.unique(self.segment_robot)
         self._measured = log.poses
-        self._free = clear(table) & log.tracked
+        self._free = never_touching(table, log.tracked)
         self._looks = {horizon: self._look(HORIZONS[horizon]) for horizon in SECONDS}
 
     def _look(self, length: float) -> _Look:
@@ -87,6 +87,12 @@ class Ahead:
     def _mine(self, look: _Look, robot: int) -> slice:
         k = int(np.searchsorted(self.robots, robot))
         return slice(int(look.edge[k]), int(look.edge[k + 1]))
+
+    def windows(self, horizon: str, robot: int) -> Windows:
+        """One robot's at one of `SECONDS`."""
+        look = self._looks[horizon]
+        mine = self._mine(look, robot)
+        return Windows(look.pairs.first[mine], look.pairs.last[mine])
 
     def block(self, name: str, robots: Iterable[int]) -> Rows:
         """(windows,) block of every window of some robots, in their order."""

@@ -23,7 +23,7 @@ from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.belief.motion import Motion
 from realitygap.models.belief.senses import Belief
 from realitygap.models.gap.believed import replay_believed
-from realitygap.models.gap.conditions import clear, conditions
+from realitygap.models.gap.conditions import conditions, never_touching
 from realitygap.models.gap.motion_gap import CLEAR_TO, throughout
 from realitygap.models.gap.replay import HORIZONS, errors, windows
 from realitygap.models.gap.sensor_gap import sensors_to_judge
@@ -75,7 +75,7 @@ def judged_windows(log: MeasuredLog, free: Bools, length: float) -> Windows:
 
     Args:
         log: Measured.
-        free: (rows,) tracked and clear of contact.
+        free: (rows,) clear of contact as far as is known.
         length: s.
     """
     pairs = windows(log, length)
@@ -170,7 +170,7 @@ def _motion(
     windows are short enough for any to be."""
     robot = np.searchsorted(cells.robots, log.frame["robot"].to_numpy(dtype=np.int64))
     table = conditions(log, plain)
-    free = clear(table) & log.tracked
+    free = never_touching(table, log.tracked)
     changed = np.cumsum(table["change"].to_numpy())
     replayed = {name: replay_believed(log, motions) for name, motions in believed.items()}
     parts = []

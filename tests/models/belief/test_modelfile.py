@@ -153,6 +153,11 @@ robots = [3]
 word = "left"
 [extension.causes.parameters]
 limit = { value = 4.0, low = 3.9, high = 4.1, unit = "rad/s" }
+[[extension.calibration]]
+name = "motor_lag"
+robots = [3]
+[extension.calibration.parameters]
+time_constant = { value = 0.3, unit = "s" }
 [[extension.laws]]
 channel = "turn"
 robots = [3]

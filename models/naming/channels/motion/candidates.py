@@ -20,7 +20,10 @@ def candidates() -> tuple[Term, ...]:
     return tuple(
         Term(cause, variant)
         for cause in causes().values()
-        if cause.identifiable and not withheld(cause.name) and not _represented(cause)
+        if cause.identifiable
+        and not cause.columns
+        and not withheld(cause.name)
+        and not _represented(cause)
         for variant in cause.variants
     )
 

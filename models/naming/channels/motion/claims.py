@@ -23,7 +23,7 @@ from realitygap.models.log.blocks import interval
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.naming.channels.motion.detectable import Seen, detectable, untold
 from realitygap.models.naming.channels.motion.examination import KINDS, Examination
-from realitygap.models.naming.channels.motion.fitted import refitted
+from realitygap.models.naming.channels.motion.fitted import Values, refitted
 from realitygap.models.naming.channels.motion.tracks import Tracks
 from realitygap.models.naming.claims.ahead import HORIZON_OF, KEYS, SECONDS, Ahead, key, together
 from realitygap.models.naming.claims.harm import Predictions, harmless, robots_of
@@ -51,7 +51,10 @@ def claimed(
     found, tracks, said = examined.identified, examined.tracks, examined.diagnosis
     inside, ended = bounded(said.named)
     ahead = Ahead(log, conditions(log, examined.model) if table is None else table)
-    by_part = (refitted(found.fits, 0), refitted(found.fits, 1)) if inside else ({}, {})
+    by_part: tuple[Values, ...] = (
+        {**refitted(found.fits, 0), **found.by_part[0]},
+        {**refitted(found.fits, 1), **found.by_part[1]},
+    )
     predictions = Predictions(ahead, examined.model, inside, by_part)
     refused = harmless(predictions, tracks.rules)
     named = tuple(

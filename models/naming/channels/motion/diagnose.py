@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,8 @@ import numpy as np
 from realitygap.models.belief.catalogue import causes
 from realitygap.models.belief.causes.motor_dead_zone import least_seen
 from realitygap.models.belief.modelfile import ModelFile
+from realitygap.models.belief.motion import Motion
+from realitygap.models.belief.withheld import without
 from realitygap.models.gap.conditions import conditions
 from realitygap.models.gap.replay import replay_log
 from realitygap.models.log.measured import MeasuredLog
@@ -19,7 +22,14 @@ from realitygap.models.naming.channels.motion.identify import identify
 from realitygap.models.naming.channels.motion.leftover import leftover
 from realitygap.models.naming.channels.motion.tracks import Tracks, cut_tracks
 from realitygap.models.naming.channels.motion.unmeasured import unmeasured
+from realitygap.models.naming.channels.wheels import (
+    before_the_encoders,
+    driven_by_encoders,
+    obeyed,
+)
+from realitygap.models.naming.claims.calibration import with_calibration
 from realitygap.models.naming.diagnosis import Diagnosis
+from realitygap.models.naming.findings import Identified
 from realitygap.models.naming.health.reference import Reference, no_reference
 from realitygap.models.naming.laws.told import with_laws
 from realitygap.models.naming.preflight import preflight
@@ -61,7 +71,10 @@ def diagnose(
         no_reference(model.name, model.motion().drive, rules) if reference is None else reference
     )
     alike = healthy.recorded_like(log.recorder, log.step)
-    found = identify(tracks, healthy, believed, alike=alike)
+    if reference is None and tracks.encoders is not None:
+        found, tracks = _in_two(tracks, healthy, believed)
+    else:
+        found = identify(tracks, healthy, believed, alike=alike)
     examined = Examination(
         tracks=tracks,
         model=model,
@@ -89,7 +102,22 @@ def diagnose(
             reference="" if reference is None else reference.model,
         ),
     )
-    return with_laws(claimed(examined, log, table, seed=seed), log, table)
+    whole = with_laws(claimed(examined, log, table, seed=seed), log, table)
+    return with_calibration(whole, log, table)
+
+
+def _in_two(
+    tracks: Tracks, healthy: Reference, believed: Sequence[Motion]
+) -> tuple[Identified, Tracks]:
+    """What is wrong before the encoders and what behind them, and the tracks of the latter.
+
+    Only of robots whose health is unknown: a reference knows the whole chain, not its halves.
+    """
+    motors = obeyed(tracks, believed)
+    driven, free = driven_by_encoders(tracks, believed)
+    with without(c.name for c in causes().values() if before_the_encoders(c)):
+        found = identify(driven, healthy, free)
+    return replace(found, named=(*motors.named, *found.named), by_part=motors.by_part), driven
 
 
 def _not_checked(tracks: Tracks, reference: Reference | None) -> tuple[str, ...]:

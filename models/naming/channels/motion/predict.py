@@ -21,7 +21,7 @@ def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
         motions: One per robot of `tracks.robots`.
     """
     path = np.empty((len(tracks.t), 3))
-    for robot, (begin, end, cut) in enumerate(_pieces(tracks)):
+    for robot, (begin, end, cut, rolling) in enumerate(_pieces(tracks)):
         motion = motions[robot]
         path[begin:end] = driven(
             tracks.t[begin:end],
@@ -30,6 +30,7 @@ def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
             motion.drive,
             motion.motor_delay + motion.pose_delay,
             tracks.seen[begin:end] if motion.drive.laws else None,
+            rolling,
         )
         path[begin:end] = recorded(tracks.t[begin:end], path[begin:end], cut, motion)
     seen = path[tracks.rows]
@@ -51,22 +52,26 @@ def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
 def wheel_angles(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
     """(rows, 2) rad each wheel has turned by each row, from 0 at its segment's first row."""
     angles = np.empty((len(tracks.t), 2))
-    for robot, (begin, end, cut) in enumerate(_pieces(tracks)):
+    for robot, (begin, end, cut, rolling) in enumerate(_pieces(tracks)):
         angles[begin:end] = wheel_turns(
             tracks.t[begin:end],
             tracks.commands[begin:end],
             cut,
             motions[robot].wheels,
             motions[robot].motor_delay,
+            rolling,
         )
+        angles[begin:end] *= motions[robot].wheel_gain
     return angles
 
 
-def _pieces(tracks: Tracks) -> list[tuple[int, int, Rows]]:
-    """Per robot: its first row, the row after its last, and its segments' first rows from there."""
+def _pieces(tracks: Tracks) -> list[tuple[int, int, Rows, FloatArray | None]]:
+    """Per robot: its first row, the row after its last, its segments' first rows from there, and
+    how fast its wheels turn in these."""
     edge = np.searchsorted(tracks.segment_robot, np.arange(len(tracks.robots) + 1))
     found = []
     for a, b in pairwise(edge):
         cut = tracks.start[a : b + 1]
-        found.append((int(cut[0]), int(cut[-1]), cut - cut[0]))
+        rolling = None if tracks.rolling is None else tracks.rolling[a:b]
+        found.append((int(cut[0]), int(cut[-1]), cut - cut[0], rolling))
     return found

@@ -58,6 +58,8 @@ class Tracks:
     """(segments,) index into `robots`."""
     encoders: FloatArray | None
     """(rows, 2) rad/s measured at the wheels; None where not logged."""
+    rolling: FloatArray | None = None
+    """(segments, 2) rad/s of the wheels as segments begin (`MeasuredLog.rolling`)."""
     rows: Rows
     """(n,) rows that are in a window, in order."""
     first: Rows
@@ -169,6 +171,7 @@ class Tracks:
             commands=np.ascontiguousarray(self.commands[kept]),
             start=np.concatenate([[0], np.cumsum(number[number > 0])]),
             segment_robot=self.segment_robot[number > 0],
+            rolling=None if self.rolling is None else self.rolling[number > 0],
             encoders=None if self.encoders is None else self.encoders[kept],
             rows=(np.cumsum(kept) - 1)[self.rows],
             about=self.about[kept],
@@ -233,6 +236,7 @@ def cut_tracks(
         start=start,
         segment_robot=who[order][start[:-1]],
         encoders=encoders,
+        rolling=None if log.rolling is None else log.rolling[segment[start[:-1]]],
         rows=rows,
         first=first,
         measured=log.poses[order][rows],
