@@ -57,6 +57,8 @@ class Drive:
     """rad/s; commands below do not turn a wheel."""
     droop_rate: float = 0.0
     """1/s, relative loss of speed with time since the log or trial began."""
+    turn_first: float = math.inf
+    """rad/s; where a wheel would be faster, speed gives way and the turn rate stays."""
 
     laws: tuple[Law, ...] = ()
     """What is added to motion."""

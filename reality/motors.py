@@ -1,4 +1,4 @@
-"""What happens to a command on its way to the wheels: delay, dead zone, limit, droop, lag.
+"""What happens to a command on its way to the wheels: shape, delay, dead zone, limit, droop, lag.
 
 Robots with nothing hidden in this chain get their commands as they are, once per control step. For
 the others a joint's target in a physics step is the mean, over that step, of the speed that the
@@ -33,6 +33,7 @@ class Motors:
             | (hardware.motor_lag > 0.0)
             | (hardware.droop != 0.0)
             | (hardware.speed_limit < np.inf).any(axis=1)
+            | (hardware.turn_first < np.inf)
             | (hardware.dead_zone > 0.0).any(axis=1)
             | (hardware.laws.wheels is not None)
         )
@@ -82,6 +83,7 @@ class Chain:
     def __init__(self, hardware: Hardware, robots: npt.NDArray[np.intp]) -> None:
         self._limit, self._dead = hardware.speed_limit[robots], hardware.dead_zone[robots]
         self._droop = hardware.droop[robots, None]
+        self._turn_first = hardware.turn_first[robots]
         self._rows = np.arange(len(robots))
         delay = hardware.command_delay[robots]
         starts = k.PHYSICS_STEP * np.arange(SUBSTEPS)[:, None]
@@ -108,7 +110,18 @@ class Chain:
     def push(self, commands: FloatArray) -> None:
         """A control step begins with commands (n, 2) in rad/s."""
         self._newest += 1
-        self._queue[self._newest % len(self._queue)] = commands
+        self._queue[self._newest % len(self._queue)] = self._shaped(commands)
+
+    def _shaped(self, commands: FloatArray) -> FloatArray:
+        """Commands (n, 2) as a controller passes them on that turns before it drives."""
+        left, right = commands.T
+        most = self._turn_first
+        ahead, turn = 0.5 * (left + right), np.clip(0.5 * (right - left), -most, most)
+        room = most - np.abs(turn)
+        ahead = np.clip(ahead, -room, room)
+        within = np.maximum(np.abs(left), np.abs(right)) <= most
+        shaped = np.column_stack([ahead - turn, ahead + turn])
+        return np.where(within[:, None], commands, shaped)
 
     def now(self, substep: int) -> float:
         """s since the battery was full."""

@@ -57,6 +57,26 @@ static inline double rg_wheel_advance(const rg_drive *d, int side, double *speed
     return turned;
 }
 
+/* What a robot's controller passes on of a command. Where a wheel would be too fast both give way
+ * alike, so that the turn rate stays, down to turning on the spot. */
+static inline void rg_shape(const rg_drive *d, const double told[2], double command[2]) {
+    const double most = d->turn_first;
+    const double over = rg_max(fabs(told[0]), fabs(told[1])) - most;
+    const double mean = 0.5 * (told[0] + told[1]);
+    const double back = copysign(rg_min(over, fabs(mean)), mean);
+    for (int side = 0; side < 2; side++)
+        command[side] = over > 0.0 ? rg_clip(told[side] - back, -most, most) : told[side];
+}
+
+/* Angles (rad) both wheels turn in part->h seconds, advancing their speeds. */
+static inline void rg_wheels_advance(const rg_drive *d, double speed[2], const double told[2],
+                                     const rg_part *part, double time, double turned[2]) {
+    double command[2];
+    rg_shape(d, told, command);
+    for (int side = 0; side < 2; side++)
+        turned[side] = rg_wheel_advance(d, side, &speed[side], command[side], part, time);
+}
+
 /* Move a pose along the exact circular arc of wheels turned by left and right (rad). `heading` is
  * the cosine and sine of yaw: it is turned with the pose, so that a step costs one sine and cosine.
  * Returns how far the pose moved (m). */

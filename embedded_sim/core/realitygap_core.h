@@ -89,6 +89,7 @@ typedef struct {
     double speed_limit[2];  /* rad/s, most a wheel turns [inf] */
     double dead_zone[2];    /* rad/s, commands below this do not turn a wheel [0] */
     double droop_rate;      /* 1/s, relative loss of speed with time [0] */
+    double turn_first;      /* rad/s, beyond which speed gives way and the turn rate stays [inf] */
     int32_t laws;           /* how many there are, of: [0] */
     rg_law law[8];
     double reach; /* m from the arena's middle to where a robot's touches the wall, for laws */

@@ -34,16 +34,15 @@ static void rg_replay_interval(const rg_drive *d, const double *t, const double 
         if (*arrived < row)
             until = rg_min(end, t[*arrived + 1] + d->latency);
         const int moving = *arrived >= first;
-        const double left = moving ? commands[2 * *arrived] : 0.0;
-        const double right = moving ? commands[2 * *arrived + 1] : 0.0;
+        static const double rest[2] = {0.0, 0.0};
+        double turned[2];
         const rg_part part = rg_part_of(d, until - now);
         const double since = now - t[first];
-        const double l = rg_wheel_advance(d, 0, &speed[0], left, &part, since);
-        const double r = rg_wheel_advance(d, 1, &speed[1], right, &part, since);
+        rg_wheels_advance(d, speed, moving ? commands + 2 * *arrived : rest, &part, since, turned);
         if (d->laws == 0)
-            rg_arc(d, l, r, pose, heading);
+            rg_arc(d, turned[0], turned[1], pose, heading);
         else
-            rg_replay_laws(d, row, since, part.h, l, r, pose, heading, seen);
+            rg_replay_laws(d, row, since, part.h, turned[0], turned[1], pose, heading, seen);
         now = until;
     }
 }

@@ -99,7 +99,11 @@ def _window(size: float, random: np.random.Generator) -> Mapping[str, Value]:
 
 
 def _limit(size: float, random: np.random.Generator) -> Mapping[str, Value]:
-    return {"limit": k.WHEEL_SPEED_MAX * (1.0 - size), "wheel": _wheel(random)}
+    return {**_turn_first(size, random), "wheel": _wheel(random)}
+
+
+def _turn_first(size: float, random: np.random.Generator) -> Mapping[str, Value]:
+    return {"limit": k.WHEEL_SPEED_MAX * (1.0 - size)}
 
 
 def _threshold(size: float, random: np.random.Generator) -> Mapping[str, Value]:
@@ -146,6 +150,13 @@ MENU: Mapping[str, Entry] = {
         bar=0.1,
         largest=0.9,
         values=_limit,
+    ),
+    "turn_first": Entry(
+        unit="share of full speed",
+        follows="speed speed_squared turning",
+        bar=0.1,
+        largest=0.9,
+        values=_turn_first,
     ),
     "motor_dead_zone": Entry(
         unit="share of full speed", follows="speed turning", bar=0.1, values=_threshold

@@ -92,6 +92,24 @@ def test_saturation_dead_zone_and_droop_do_what_their_names_say() -> None:
     assert np.diff(drooped[:, 0])[-1] == pytest.approx(0.0205 * 6.0 * 0.04 * 0.88, rel=1e-3)
 
 
+@given(left=speeds, right=speeds, most=st.floats(0.1, 7.0))
+def test_a_robot_that_turns_first_gives_up_speed_and_keeps_its_turn_rate(
+    left: float, right: float, most: float
+) -> None:
+    told = one_segment(np.tile([left, right], (2, 1)), Drive())[-1]
+    done = one_segment(np.tile([left, right], (2, 1)), Drive(turn_first=most))[-1]
+    forward = 0.5 * (left + right)
+    turn = 0.5 * (right - left)
+    room = max(most - abs(turn), 0.0)
+    turned = math.copysign(min(abs(turn), most), turn)
+    assert done[2] == pytest.approx(2.0 * 0.0205 * turned * 0.04 / Drive().axle, abs=1e-12)
+    kept = math.copysign(min(abs(forward), room), forward)
+    chord = 0.0205 * kept * 0.04 * np.sinc(0.5 * done[2] / np.pi)
+    assert math.hypot(*done[:2]) == pytest.approx(abs(chord), abs=1e-12)
+    if max(abs(left), abs(right)) <= most:
+        assert done.tobytes() == told.tobytes()
+
+
 @given(st.lists(st.tuples(speeds, speeds), min_size=2, max_size=30))
 def test_the_null_is_the_minimal_model_to_the_last_bits(
     commands: list[tuple[float, float]],

@@ -132,6 +132,18 @@ def test_a_saturated_wheel_turns_at_its_limit(wheel: str, sides: tuple[int, ...]
     assert speeds == pytest.approx(expected, abs=0.05)
 
 
+def test_a_robot_that_turns_first_slows_down_and_turns_as_told() -> None:
+    path = drive(lambda step: (3.0, FULL), 1.5, "turn_first:limit=4.0,robot=1")
+    assert path.encoders[20:, 1].mean(axis=0) == pytest.approx([1.0, 4.0], abs=0.05)
+    turned = path.turned[-1] - path.turned[20]
+    assert turned[1] == pytest.approx(turned[0], rel=0.01)
+
+
+def test_a_robot_that_turns_first_and_is_told_no_more_does_as_told() -> None:
+    same = drive(spin, 0.4, "turn_first:limit=4.0,robot=1")
+    assert same.encoders[5:, 1].mean(axis=0) == pytest.approx([-4.0, 4.0], abs=0.05)
+
+
 @pytest.mark.parametrize("wheel", ["left", "right", "both"])
 def test_a_wheel_commanded_within_its_dead_zone_stands_still(wheel: str) -> None:
     path = drive(
