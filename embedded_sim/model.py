@@ -57,6 +57,8 @@ class Drive:
     """rad/s; commands below do not turn a wheel."""
     droop_rate: float = 0.0
     """1/s, relative loss of speed with time since the log or trial began."""
+    start_delay: float = 0.0
+    """s that a wheel stands before it starts, or before it turns the other way."""
     turn_first: float = math.inf
     """rad/s; where a wheel would be faster, speed gives way and the turn rate stays."""
 

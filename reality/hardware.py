@@ -76,6 +76,8 @@ class Hardware:
     """(robots, 2) rad/s, slower commands do not turn the wheel."""
     droop: FloatArray
     """(robots,) 1/s, share of speed lost with time."""
+    start_delay: FloatArray
+    """(robots,) s that a motor holds its wheel before it starts or turns the other way."""
     turn_first: FloatArray
     """(robots,) rad/s; where a wheel would be faster, speed gives way and the turn rate is kept."""
     markers: FloatArray
@@ -134,6 +136,7 @@ class Hardware:
             speed_limit=rows([np.inf] * 2),
             dead_zone=rows([0.0] * 2),
             droop=np.zeros(robots),
+            start_delay=np.zeros(robots),
             turn_first=np.full(robots, np.inf),
             markers=np.zeros((robots, 3)),
             clock_delay=np.zeros(robots),

@@ -1,4 +1,4 @@
-"""What happens to a command on its way to the wheels: shape, delay, dead zone, limit, droop, lag.
+"""What happens to a command on its way to the wheels, from a delay to a lag.
 
 Robots with nothing hidden in this chain get their commands as they are, once per control step. For
 the others a joint's target in a physics step is the mean, over that step, of the speed that the
@@ -34,6 +34,7 @@ class Motors:
             | (hardware.droop != 0.0)
             | (hardware.speed_limit < np.inf).any(axis=1)
             | (hardware.turn_first < np.inf)
+            | (hardware.start_delay > 0.0)
             | (hardware.dead_zone > 0.0).any(axis=1)
             | (hardware.laws.wheels is not None)
         )
@@ -83,6 +84,10 @@ class Chain:
     def __init__(self, hardware: Hardware, robots: npt.NDArray[np.intp]) -> None:
         self._limit, self._dead = hardware.speed_limit[robots], hardware.dead_zone[robots]
         self._droop = hardware.droop[robots, None]
+        self._start_delay = hardware.start_delay[robots, None]
+        self._released: FloatArray = np.zeros((len(robots), 2))
+        """s from which on each wheel turns the way it was last told to, if it still is."""
+        self._way: FloatArray = np.zeros((len(robots), 2))
         self._turn_first = hardware.turn_first[robots]
         self._rows = np.arange(len(robots))
         delay = hardware.command_delay[robots]
@@ -135,14 +140,24 @@ class Chain:
         older, newer = self._queue[at, self._rows]
         switched = (older != newer).any(axis=1) & self._quick & (self._span[substep, 1, :, 0] > 0.0)
         for part, command in enumerate((older, newer)):
-            asked = self._answer(command, now)
+            span = self._span[substep, part]
+            asked = self._answer(command, now) * self._free(command, now, span)
+            now += span
             away = self._speed - asked
-            turned += asked * self._span[substep, part] + away * self._slip[substep, part]
+            turned += asked * span + away * self._slip[substep, part]
             self._speed = asked + away * self._left[substep, part]
         share = np.where(switched, self._span[substep, 1, :, 0] / k.PHYSICS_STEP, 1.0)
         return turned / k.PHYSICS_STEP, share
 
-    def _answer(self, command: FloatArray, now: float) -> FloatArray:
+    def _free(self, command: FloatArray, now: float | FloatArray, span: FloatArray) -> FloatArray:
+        """Share (n, 2) of a part that wheels are not held: those that start are, for a while."""
+        way = np.sign(command)
+        self._released = np.where(way != self._way, now + self._start_delay, self._released)
+        self._way = way
+        held = np.clip(self._released - now, 0.0, span)
+        return 1.0 - np.divide(held, span, out=np.zeros_like(held), where=span > 0.0)
+
+    def _answer(self, command: FloatArray, now: float | FloatArray) -> FloatArray:
         """Speeds (n, 2) that motors without inertia would reach at a time (s)."""
         speed = np.abs(command)
         speed[speed < self._dead] = 0.0

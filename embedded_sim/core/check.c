@@ -50,6 +50,7 @@ int32_t rg_check_drive(const rg_drive *d, rg_refusal *why) {
                      rg_all_within(why, "drive.speed_limit", d->speed_limit, 2, RG_LIMIT) &&
                      rg_all_within(why, "drive.dead_zone", d->dead_zone, 2, RG_LIMIT) &&
                      rg_within(why, "drive.droop_rate", -1, d->droop_rate, RG_ANY) &&
+                     rg_within(why, "drive.start_delay", -1, d->start_delay, RG_NOT_NEGATIVE) &&
                      rg_within(why, "drive.turn_first", -1, d->turn_first, RG_LIMIT) &&
                      rg_check_laws(why, d);
     return good ? RG_OK : RG_BAD_ARGUMENT;

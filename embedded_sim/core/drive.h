@@ -68,13 +68,30 @@ static inline void rg_shape(const rg_drive *d, const double told[2], double comm
         command[side] = over > 0.0 ? rg_clip(told[side] - back, -most, most) : told[side];
 }
 
-/* Angles (rad) both wheels turn in part->h seconds, advancing their speeds. */
-static inline void rg_wheels_advance(const rg_drive *d, double speed[2], const double told[2],
+/* rg_wheel_advance of a wheel that is held still first where it starts, or turns the other way. */
+static inline double rg_wheel_start(const rg_drive *d, int side, rg_wheels *w, double command,
+                                    const rg_part *part, double time) {
+    const double before = w->asked[side] * command > 0.0 ? fabs(w->asked[side]) : 0.0;
+    const double held = rg_clip(d->start_delay - before, 0.0, part->h);
+    const rg_part still = rg_part_of(d, held), rest = rg_part_of(d, part->h - held);
+    double turned = 0.0;
+    w->asked[side] = command == 0.0 ? 0.0 : copysign(before + part->h, command);
+    if (held > 0.0)
+        turned = rg_wheel_advance(d, side, &w->speed[side], 0.0, &still, time);
+    if (rest.h > 0.0)
+        turned += rg_wheel_advance(d, side, &w->speed[side], command, &rest, time + held);
+    return turned;
+}
+
+/* Angles (rad) both wheels turn in part->h seconds. */
+static inline void rg_wheels_advance(const rg_drive *d, rg_wheels *w, const double told[2],
                                      const rg_part *part, double time, double turned[2]) {
     double command[2];
     rg_shape(d, told, command);
     for (int side = 0; side < 2; side++)
-        turned[side] = rg_wheel_advance(d, side, &speed[side], command[side], part, time);
+        turned[side] = d->start_delay > 0.0
+                           ? rg_wheel_start(d, side, w, command[side], part, time)
+                           : rg_wheel_advance(d, side, &w->speed[side], command[side], part, time);
 }
 
 /* Move a pose along the exact circular arc of wheels turned by left and right (rad). `heading` is

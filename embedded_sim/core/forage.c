@@ -44,7 +44,7 @@ static void rg_drive_part(const rg_drive *d, rg_forager *f, const double *comman
                           const rg_part *part) {
     rg_motors *motors = &f->motors;
     double turned[2];
-    rg_wheels_advance(d, motors->speed, command, part, motors->time, turned);
+    rg_wheels_advance(d, &motors->wheels, command, part, motors->time, turned);
     const double l = turned[0], r = turned[1];
     if (d->laws == 0) {
         f->clear -= rg_arc(d, l, r, f->now.pose, f->now.heading);

@@ -47,16 +47,22 @@ RG_INLINE rg_v rg_wheel_advance_v(const rg_drive *d, int side, rg_v *speed, rg_v
 /* rg_wheels_advance; what shapes commands is rare, and asked lane by lane */
 RG_INLINE void rg_wheels_advance_v(const rg_drive *d, rg_group *g, const rg_v *told,
                                    const rg_part *part, double time, rg_v turned[2]) {
-    rg_v command[2] = {told[0], told[1]};
-    for (int l = 0; isfinite(d->turn_first) && l < RG_LANES; l++) {
-        const double own[2] = {told[0][l], told[1][l]};
-        double shaped[2];
-        rg_shape(d, own, shaped);
-        command[0][l] = shaped[0];
-        command[1][l] = shaped[1];
+    if (isinf(d->turn_first) && d->start_delay == 0.0) {
+        for (int side = 0; side < 2; side++)
+            turned[side] = rg_wheel_advance_v(d, side, &g->speed[side], told[side], part, time);
+        return;
     }
-    for (int side = 0; side < 2; side++)
-        turned[side] = rg_wheel_advance_v(d, side, &g->speed[side], command[side], part, time);
+    for (int l = 0; l < RG_LANES; l++) {
+        const double own[2] = {told[0][l], told[1][l]};
+        rg_wheels wheels = {{g->speed[0][l], g->speed[1][l]}, {g->asked[0][l], g->asked[1][l]}};
+        double angle[2];
+        rg_wheels_advance(d, &wheels, own, part, time, angle);
+        for (int side = 0; side < 2; side++) {
+            g->speed[side][l] = wheels.speed[side];
+            g->asked[side][l] = wheels.asked[side];
+            turned[side][l] = angle[side];
+        }
+    }
 }
 
 /* Drive a part of a step under one command: rg_wheels_advance and rg_arc, or rg_arc_of. */

@@ -89,6 +89,7 @@ typedef struct {
     double speed_limit[2];  /* rad/s, most a wheel turns [inf] */
     double dead_zone[2];    /* rad/s, commands below this do not turn a wheel [0] */
     double droop_rate;      /* 1/s, relative loss of speed with time [0] */
+    double start_delay;     /* s, a wheel stands before it starts or turns the other way [0] */
     double turn_first;      /* rad/s, beyond which speed gives way and the turn rate stays [inf] */
     int32_t laws;           /* how many there are, of: [0] */
     rg_law law[8];
@@ -174,9 +175,15 @@ typedef struct {
     double search_turn;      /* signed curvature of the present stretch, left positive */
 } rg_controller;
 
+/* How two wheels are. */
+typedef struct {
+    double speed[2]; /* rad/s, present */
+    double asked[2]; /* s, for how long a wheel has been told to turn this way, signed as the way */
+} rg_wheels;
+
 /* The motors between two commands. */
 typedef struct {
-    double speed[2];     /* rad/s, present */
+    rg_wheels wheels;
     double queue[64][2]; /* rad/s, ring of the last commands */
     int32_t head;        /* slot of the newest command */
     double time;         /* s since the battery was full */

@@ -23,7 +23,7 @@ static void rg_replay_laws(const rg_drive *d, int64_t row, double since, double 
 /* One interval of a log, cut where a delayed command reaches the motors. `arrived` is the row of
  * the command at the motors (first - 1: none yet, at rest); it only moves forward. */
 static void rg_replay_interval(const rg_drive *d, const double *t, const double *commands,
-                               int64_t first, int64_t row, int64_t *arrived, double *speed,
+                               int64_t first, int64_t row, int64_t *arrived, rg_wheels *wheels,
                                double *pose, double *heading, const double *seen) {
     double now = t[row];
     const double end = t[row + 1];
@@ -38,7 +38,7 @@ static void rg_replay_interval(const rg_drive *d, const double *t, const double 
         double turned[2];
         const rg_part part = rg_part_of(d, until - now);
         const double since = now - t[first];
-        rg_wheels_advance(d, speed, moving ? commands + 2 * *arrived : rest, &part, since, turned);
+        rg_wheels_advance(d, wheels, moving ? commands + 2 * *arrived : rest, &part, since, turned);
         if (d->laws == 0)
             rg_arc(d, turned[0], turned[1], pose, heading);
         else
@@ -87,7 +87,7 @@ int32_t rg_replay(const rg_drive *drive, int64_t rows, int32_t segments, const i
         const int64_t first = start[k], last = start[k + 1] - 1;
         double pose[3] = {initial[3 * k], initial[3 * k + 1], initial[3 * k + 2]};
         double heading[2] = {cos(pose[2]), sin(pose[2])};
-        double speed[2] = {0.0, 0.0};
+        rg_wheels wheels = {{0.0, 0.0}, {0.0, 0.0}};
         int64_t arrived = first - 1;
         for (int64_t row = first; row <= last; row++) {
             const double since = row > first ? t[row - 1] : -DBL_MAX;
@@ -95,13 +95,13 @@ int32_t rg_replay(const rg_drive *drive, int64_t rows, int32_t segments, const i
                   rg_finite(commands[2 * row + 1])))
                 return rg_refuse_command(why, row, since, t[row], commands + 2 * row);
             if (row > first)
-                rg_replay_interval(drive, t, commands, first, row - 1, &arrived, speed, pose,
+                rg_replay_interval(drive, t, commands, first, row - 1, &arrived, &wheels, pose,
                                    heading, seen);
             for (int i = 0; i < 3; i++)
                 poses[3 * row + i] = pose[i];
             if (speeds != NULL) {
-                speeds[2 * row] = speed[0];
-                speeds[2 * row + 1] = speed[1];
+                speeds[2 * row] = wheels.speed[0];
+                speeds[2 * row + 1] = wheels.speed[1];
             }
             if (!isfinite(pose[0] + pose[1] + pose[2])) {
                 *why = (rg_refusal){"poses", row, 0, NAN, -DBL_MAX, DBL_MAX};

@@ -131,6 +131,9 @@ MENU: Mapping[str, Entry] = {
     "command_latency": Entry(
         unit="s", follows="change", bar=0.040, swarm_bar=0.008, values=_plain("seconds")
     ),
+    "start_delay": Entry(
+        unit="s", follows="change start turn_side turning", bar=0.1, values=_plain("seconds")
+    ),
     "motor_lag": Entry(unit="s", follows="change", bar=0.025, values=_plain("time_constant")),
     "weak_motor": Entry(
         unit="nominal over torque, less 1",

@@ -143,6 +143,7 @@ static void build_drive(bytes *from, rg_drive *d) {
     d->axle = uniform(from, 0.03, 0.06);
     d->latency = below(from, 2) ? 0.0 : uniform(from, 0.0, 2.4);
     d->time_constant = below(from, 2) ? 0.0 : uniform(from, 0.0, 0.3);
+    d->start_delay = below(from, 2) ? 0.0 : uniform(from, 0.0, 0.5);
     d->turn_first = below(from, 2) ? INFINITY : uniform(from, 1.0, 12.0);
     d->reach = 0.565;
     d->body = 0.035;

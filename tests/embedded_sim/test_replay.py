@@ -92,6 +92,23 @@ def test_saturation_dead_zone_and_droop_do_what_their_names_say() -> None:
     assert np.diff(drooped[:, 0])[-1] == pytest.approx(0.0205 * 6.0 * 0.04 * 0.88, rel=1e-3)
 
 
+def test_a_wheel_waits_before_it_starts_and_before_it_turns_the_other_way_and_never_else() -> None:
+    told = [0.0] * 10 + [5.0] * 30 + [3.0] * 20 + [-4.0] * 25 + [0.0] * 2 + [-4.0] * 14 + [0.0]
+    path = one_segment(np.tile(np.array(told)[:, None], (1, 2)), Drive(start_delay=0.11))
+    turned = 5.0 * (1.2 - 0.11) + 3.0 * 0.8 - 4.0 * (1.0 - 0.11) - 4.0 * (0.56 - 0.11)
+    assert path[-1, 0] == pytest.approx(0.0205 * turned, rel=1e-12)
+    assert path[12, 0] == 0.0  # 80 ms after the first command
+    assert path[13, 0] == pytest.approx(0.0205 * 5.0 * 0.01, rel=1e-9)
+
+
+def test_a_moving_wheel_that_waits_is_braked_by_its_motor() -> None:
+    told, lag = np.array([5.0] * 50 + [-5.0] * 51), 0.05
+    drive = Drive(start_delay=0.3, time_constant=lag)
+    path = one_segment(np.tile(told[:, None], (1, 2)), drive)[:, 0]
+    assert path[57] - path[50] == pytest.approx(0.0205 * 5.0 * lag * (1.0 - math.exp(-5.6)))
+    assert np.diff(path)[-1] == pytest.approx(-0.0205 * 5.0 * 0.04)
+
+
 @given(left=speeds, right=speeds, most=st.floats(0.1, 7.0))
 def test_a_robot_that_turns_first_gives_up_speed_and_keeps_its_turn_rate(
     left: float, right: float, most: float
