@@ -78,6 +78,8 @@ class Hardware:
     """(robots,) 1/s, share of speed lost with time."""
     start_delay: FloatArray
     """(robots,) s that a motor holds its wheel before it starts or turns the other way."""
+    slew_limit: FloatArray
+    """(robots,) rad/s^2, most by which the speed that a motor is asked for changes."""
     turn_first: FloatArray
     """(robots,) rad/s; where a wheel would be faster, speed gives way and the turn rate is kept."""
     markers: FloatArray
@@ -137,6 +139,7 @@ class Hardware:
             dead_zone=rows([0.0] * 2),
             droop=np.zeros(robots),
             start_delay=np.zeros(robots),
+            slew_limit=np.full(robots, np.inf),
             turn_first=np.full(robots, np.inf),
             markers=np.zeros((robots, 3)),
             clock_delay=np.zeros(robots),

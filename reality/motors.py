@@ -35,6 +35,7 @@ class Motors:
             | (hardware.speed_limit < np.inf).any(axis=1)
             | (hardware.turn_first < np.inf)
             | (hardware.start_delay > 0.0)
+            | (hardware.slew_limit < np.inf)
             | (hardware.dead_zone > 0.0).any(axis=1)
             | (hardware.laws.wheels is not None)
         )
@@ -88,6 +89,9 @@ class Chain:
         self._released: FloatArray = np.zeros((len(robots), 2))
         """s from which on each wheel turns the way it was last told to, if it still is."""
         self._way: FloatArray = np.zeros((len(robots), 2))
+        self._slew_limit = hardware.slew_limit[robots, None]
+        self._ramp: FloatArray = np.zeros((len(robots), 2))
+        """rad/s that the ramps have come to."""
         self._turn_first = hardware.turn_first[robots]
         self._rows = np.arange(len(robots))
         delay = hardware.command_delay[robots]
@@ -142,6 +146,7 @@ class Chain:
         for part, command in enumerate((older, newer)):
             span = self._span[substep, part]
             asked = self._answer(command, now) * self._free(command, now, span)
+            asked = self._ramped(asked, span)
             now += span
             away = self._speed - asked
             turned += asked * span + away * self._slip[substep, part]
@@ -156,6 +161,17 @@ class Chain:
         self._way = way
         held = np.clip(self._released - now, 0.0, span)
         return 1.0 - np.divide(held, span, out=np.zeros_like(held), where=span > 0.0)
+
+    def _ramped(self, asked: FloatArray, span: FloatArray) -> FloatArray:
+        """Mean speeds (n, 2) of a part in which ramps go towards what is asked for."""
+        limited = self._slew_limit < np.inf
+        most = np.where(limited, self._slew_limit, 0.0) * span
+        away = asked - self._ramp
+        step = np.where(limited, np.clip(away, -most, most), away)
+        share = np.divide(np.abs(step), most, out=np.zeros_like(step), where=most > 0.0)
+        """Of the part, until the ramp ends; 1 where it does not."""
+        self._ramp = self._ramp + step
+        return np.where(limited, self._ramp - 0.5 * share * step, asked)
 
     def _answer(self, command: FloatArray, now: float | FloatArray) -> FloatArray:
         """Speeds (n, 2) that motors without inertia would reach at a time (s)."""

@@ -160,6 +160,12 @@ def test_a_wheel_waits_before_it_turns_the_other_way_and_not_before_it_slows_dow
     assert back[1] - back[0] == pytest.approx(0.2 * k.WHEEL_RADIUS, rel=0.06)
 
 
+@pytest.mark.parametrize("rate", [8.0, 20.0])
+def test_a_ramp_costs_half_the_time_that_it_takes(rate: float) -> None:
+    measured = lag_of_second(f"slew_limit:rate={rate},robot=1")
+    assert measured == pytest.approx(0.5 * FULL / rate, abs=0.012)  # less than motors lose without
+
+
 @pytest.mark.parametrize("wheel", ["left", "right", "both"])
 def test_a_wheel_commanded_within_its_dead_zone_stands_still(wheel: str) -> None:
     path = drive(
