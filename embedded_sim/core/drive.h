@@ -57,15 +57,28 @@ static inline double rg_wheel_advance(const rg_drive *d, int side, double *speed
     return turned;
 }
 
-/* What a robot's controller passes on of a command. Where a wheel would be too fast both give way
- * alike, so that the turn rate stays, down to turning on the spot. */
+/* What a wheel does of a command: lines between the knots of its curve, and flat beyond them. */
+static inline double rg_done(const rg_drive *d, int side, double command) {
+    const double *told = d->told[side], *done = d->done[side];
+    int i = 0;
+    if (d->knots[side] == 0)
+        return command;
+    while (i < d->knots[side] - 2 && command > told[i + 1])
+        i++;
+    const double share = rg_clip((command - told[i]) / (told[i + 1] - told[i]), 0.0, 1.0);
+    return done[i] + share * (done[i + 1] - done[i]);
+}
+
+/* What a robot's controller passes on of a command, and its wheels do of that. Where a wheel would
+ * be too fast both give way alike, so that the turn rate stays, down to turning on the spot. */
 static inline void rg_shape(const rg_drive *d, const double told[2], double command[2]) {
     const double most = d->turn_first;
     const double over = rg_max(fabs(told[0]), fabs(told[1])) - most;
     const double mean = 0.5 * (told[0] + told[1]);
     const double back = copysign(rg_min(over, fabs(mean)), mean);
     for (int side = 0; side < 2; side++)
-        command[side] = over > 0.0 ? rg_clip(told[side] - back, -most, most) : told[side];
+        command[side] =
+            rg_done(d, side, over > 0.0 ? rg_clip(told[side] - back, -most, most) : told[side]);
 }
 
 /* rg_wheel_advance of a wheel that is held still first where it starts, or turns the other way. */

@@ -91,7 +91,9 @@ typedef struct {
     double droop_rate;      /* 1/s, relative loss of speed with time [0] */
     double start_delay;     /* s, a wheel stands before it starts or turns the other way [0] */
     double turn_first;      /* rad/s, beyond which speed gives way and the turn rate stays [inf] */
-    int32_t laws;           /* how many there are, of: [0] */
+    int32_t knots[2];       /* of what a wheel does of what it is told, of: [0: as told] */
+    double told[2][8], done[2][8]; /* rad/s, rising; rad/s, never falling */
+    int32_t laws;                  /* how many there are, of: [0] */
     rg_law law[8];
     double reach; /* m from the arena's middle to where a robot's touches the wall, for laws */
     double body;  /* m, radius of a robot, for laws */

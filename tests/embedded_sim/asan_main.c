@@ -131,6 +131,8 @@ static void replay(const rg_model *m) {
     late.time_constant = 0.05;
     late.turn_first = 4.0;
     late.start_delay = 0.17;
+    late.knots[0] = 2;
+    late.told[0][1] = late.done[0][1] = 5.0;
     late.acceleration[0] = late.acceleration[1] = 50.0;
     const rg_drive *drives[2] = {&m->drive, &late};
     for (int i = 0; i < 2; i++) {

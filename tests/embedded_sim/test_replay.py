@@ -109,6 +109,42 @@ def test_a_moving_wheel_that_waits_is_braked_by_its_motor() -> None:
     assert np.diff(path)[-1] == pytest.approx(-0.0205 * 5.0 * 0.04)
 
 
+CURVE = ((-6.0, -5.0), (-1.0, 0.0), (1.0, 0.0), (5.0, 4.5))
+
+
+@given(told=st.floats(-9.0, 9.0))
+def test_a_wheel_does_what_its_curve_says_and_the_other_as_told(told: float) -> None:
+    drive = Drive(done_curve=(CURVE, ()))
+    path = replay([0.0, 0.04], [[told, told]] * 2, [0, 2], [[0, 0, 0]], drive=drive).poses[-1]
+    done = float(np.interp(told, *np.array(CURVE).T))
+    assert path[2] == pytest.approx(0.0205 * (told - done) * 0.04 / drive.axle, abs=1e-12)
+
+
+def test_a_dead_zone_and_a_limit_are_shapes_of_a_curve() -> None:
+    told = np.random.default_rng(3).uniform(-7.0, 7.0, (200, 2))
+    told[np.abs(np.abs(told) - 1.0) < 1e-3] = 2.0
+    edge = 1.0 - 1e-6
+    shape = ((-5.0, -5.0), (-1.0, -1.0), (-edge, 0.0), (edge, 0.0), (1.0, 1.0), (5.0, 5.0))
+    curved = one_segment(told, Drive(done_curve=(shape, shape)))
+    plain = one_segment(told, Drive(dead_zone=(1.0, 1.0), speed_limit=(5.0, 5.0)))
+    assert curved == pytest.approx(plain, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("curve", "said"),
+    [
+        (((1.0, 1.0),), r"done_curve knots\[0\]: got 1"),
+        (tuple((float(k), float(k)) for k in range(9)), "done_curve knots: got 9"),
+        (((0.0, 0.0), (0.0, 1.0)), r"done_curve told\[1\]: got 0"),
+        (((0.0, 1.0), (1.0, 0.0)), r"done_curve done\[1\]: got -1"),
+        (((0.0, 1.0), (math.inf, 2.0)), r"done_curve told\[1\]: got inf"),
+    ],
+)
+def test_a_curve_that_is_none_is_refused(curve: tuple[tuple[float, float], ...], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        Drive(done_curve=(curve, ())).struct()
+
+
 @given(left=speeds, right=speeds, most=st.floats(0.1, 7.0))
 def test_a_robot_that_turns_first_gives_up_speed_and_keeps_its_turn_rate(
     left: float, right: float, most: float

@@ -14,9 +14,7 @@ CAUSE = Cause(
     plain="{Whose} wheels scrub in turns: it turns as one on two wheels {scale:further apart/"
     "nearer together} than the model's axle. Look at the floor, the tyres and the load.",
     parameters=(
-        Parameter(
-            name="scale", unit="1", null=1.0, low=0.3, high=10.0, step=1e-3, link="factor"
-        ),
+        Parameter(name="scale", unit="1", null=1.0, low=0.3, high=10.0, step=1e-3, link="factor"),
     ),
     change=change,
     where="skid",
