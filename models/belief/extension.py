@@ -177,8 +177,8 @@ class Extension(Table):
     def robots(self) -> list[int]:
         """Robots that some cause concerns and others not, in order; empty: all are alike."""
         told = [own for law in self.laws for own in law.amplitudes if own.robot is not None]
-        others = (*self.causes, *self.done_curve)
-        causes = [one.robots for one in others if one.robots != "all"]
+        causes = [one.robots for one in self.causes if one.robots != "all"]
+        causes += [one.robots for one in self.done_curve if one.robots != "all"]
         return sorted({r for robots in causes for r in robots} | {one.robot or 0 for one in told})
 
     def check_robots(self, known: Collection[int], file: str) -> None:

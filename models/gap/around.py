@@ -31,7 +31,7 @@ def around(log: MeasuredLog, drive: Drive) -> FloatArray | None:
 
 def asked(drive: Drive) -> set[str]:
     """Quantities of a drive's laws that tell where a robot is."""
-    return {atom.of for law in drive.laws for atom in law.atoms} & WHERE
+    return WHERE.intersection(atom.of for law in drive.laws for atom in law.atoms)
 
 
 def carried_on(seen: FloatArray, known: npt.NDArray[np.bool_], start: Rows) -> FloatArray:

@@ -62,10 +62,10 @@ Some causes are tried on some logs only (`Cause.where`):
   its controller.
 - `slip` (`share`), `effective_axle` (`scale`) and `side_slip` (`seconds`) are of robots of skid
   steer, those whose model file says `drive_kind = "skid"`. The first two are the terms of
-  `wheel_radius_scale` and `wheel_separation`, and stand in their place: of four wheels that scrub in
-  every turn no log tells radius from slip. `side_slip` is how fast the body drifts out of a curve,
-  per speed (m/s) and turn rate (rad/s). No body of the physical world has four wheels, so that none
-  has an effect.
+  `wheel_radius_scale` and `wheel_separation`, and stand in their place: of four wheels that scrub
+  in every turn no log tells radius from slip. `side_slip` is how fast the body drifts out of a
+  curve, per speed (m/s) and turn rate (rad/s). No body of the physical world has four wheels, so
+  that none has an effect.
 """
 
 
