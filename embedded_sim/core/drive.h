@@ -8,14 +8,18 @@
 #include "small.h"
 #include "trig.h"
 
-/* A time under one command, and what a first-order lag leaves of a change of speed after it. */
+/* A time under one command, what a first-order lag leaves of a change of speed after it, and
+ * whether the drive does anything with commands before its wheels obey. */
 typedef struct {
     double h; /* s */
     double left;
+    int shaped;
 } rg_part;
 
 static inline rg_part rg_part_of(const rg_drive *d, double h) {
-    return (rg_part){h, d->time_constant > 0.0 ? rg_decay(h / d->time_constant) : 0.0};
+    const int shaped =
+        d->turn_first < INFINITY || d->start_delay > 0.0 || d->knots[0] | d->knots[1];
+    return (rg_part){h, d->time_constant > 0.0 ? rg_decay(h / d->time_constant) : 0.0, shaped};
 }
 
 /* Angle (rad) wheel `side` turns in part->h seconds towards a delivered command, advancing its
@@ -96,15 +100,27 @@ static inline double rg_wheel_start(const rg_drive *d, int side, rg_wheels *w, d
     return turned;
 }
 
-/* Angles (rad) both wheels turn in part->h seconds. */
-static inline void rg_wheels_advance(const rg_drive *d, rg_wheels *w, const double told[2],
-                                     const rg_part *part, double time, double turned[2]) {
+/* rg_wheels_advance where commands are shaped: rare, and out of the way of all else. */
+static __attribute__((noinline)) void rg_wheels_shaped(const rg_drive *d, rg_wheels *w,
+                                                       const double told[2], const rg_part *part,
+                                                       double time, double turned[2]) {
     double command[2];
     rg_shape(d, told, command);
     for (int side = 0; side < 2; side++)
         turned[side] = d->start_delay > 0.0
                            ? rg_wheel_start(d, side, w, command[side], part, time)
                            : rg_wheel_advance(d, side, &w->speed[side], command[side], part, time);
+}
+
+/* Angles (rad) both wheels turn in part->h seconds. */
+static inline void rg_wheels_advance(const rg_drive *d, rg_wheels *w, const double told[2],
+                                     const rg_part *part, double time, double turned[2]) {
+    if (part->shaped) {
+        rg_wheels_shaped(d, w, told, part, time, turned);
+        return;
+    }
+    turned[0] = rg_wheel_advance(d, 0, &w->speed[0], told[0], part, time);
+    turned[1] = rg_wheel_advance(d, 1, &w->speed[1], told[1], part, time);
 }
 
 /* Move a pose along the exact circular arc of wheels turned by left and right (rad). `heading` is

@@ -47,7 +47,7 @@ RG_INLINE rg_v rg_wheel_advance_v(const rg_drive *d, int side, rg_v *speed, rg_v
 /* rg_wheels_advance; what shapes commands is rare, and asked lane by lane */
 RG_INLINE void rg_wheels_advance_v(const rg_drive *d, rg_group *g, const rg_v *told,
                                    const rg_part *part, double time, rg_v turned[2]) {
-    if (isinf(d->turn_first) && d->start_delay == 0.0 && d->knots[0] + d->knots[1] == 0) {
+    if (!part->shaped) {
         for (int side = 0; side < 2; side++)
             turned[side] = rg_wheel_advance_v(d, side, &g->speed[side], told[side], part, time);
         return;
