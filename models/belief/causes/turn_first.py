@@ -26,6 +26,6 @@ CAUSE = Cause(
     ),
     change=_change,
     confusable_with=("motor_saturation", "wheel_radius_scale"),
-    experiment="tour",
+    experiment="figure-eight",
     starts=starts,
 )
