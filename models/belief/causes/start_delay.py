@@ -29,7 +29,9 @@ CAUSE = Cause(
     plain="{Whose} wheels stand for {seconds} before they start or turn the other way. Look at the "
     "motor driver's enabling and braking, and for play in the gears.",
     parameters=(
-        Parameter(name="seconds", unit="s", null=0.0, low=0.0, high=3.0, step=5e-3, sign=1),
+        Parameter(
+            name="seconds", unit="s", null=0.0, low=0.0, high=3.0, step=5e-3, sign=1, doubt=0.015
+        ),
     ),
     change=_change,
     family="transient",
