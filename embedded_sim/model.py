@@ -35,6 +35,10 @@ SENSOR_ANGLES = (-0.297, -0.855, -1.571, -2.618, 2.618, 1.571, 0.855, 0.297)
 """rad from forward, counter-clockwise, ps0 (front-right) clockwise to ps7 (front-left): Xpuck."""
 
 Pair = tuple[float, float]
+Curve = tuple[Pair, ...]
+"""Knots (told, done) in rad/s, at most `MOST_KNOTS`; lines between, flat beyond."""
+MOST_KNOTS = 8
+"""Of a curve in C."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,7 +61,13 @@ class Drive:
     """rad/s; commands below do not turn a wheel."""
     droop_rate: float = 0.0
     """1/s, relative loss of speed with time since the log or trial began."""
+    start_delay: float = 0.0
+    """s that a wheel stands before it starts, or before it turns the other way."""
+    turn_first: float = math.inf
+    """rad/s; where a wheel would be faster, speed gives way and the turn rate stays."""
 
+    done_curve: tuple[Curve, Curve] = ((), ())
+    """What the left and the right wheel do of what they are told; none: as told."""
     laws: tuple[Law, ...] = ()
     """What is added to motion."""
     reach: float = 0.0
@@ -71,8 +81,14 @@ class Drive:
         Raises:
             InputError: a field that C refuses.
         """
-        values = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "laws"}
+        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        values = {name: value for name, value in values.items() if name not in _OTHERS}
         struct, why = structure("rg_drive *", "drive", values, _PAIRS), refusal()
+        for side, curve in enumerate(self.done_curve):
+            if len(curve) > MOST_KNOTS:
+                raise InputError("drive.done_curve knots", f"{len(curve)}", f"2 to {MOST_KNOTS}")
+            struct.knots[side] = len(curve)
+            struct.told[side], struct.done[side] = zip(*curve, strict=True) if curve else ((), ())
         laws = [law_struct(law) for law in self.laws if law.amplitude != 0.0]
         if len(laws) > MOST_LAWS:
             raise InputError("drive.laws", f"{len(laws)}", f"at most {MOST_LAWS}")
@@ -82,8 +98,12 @@ class Drive:
         return struct
 
 
-_PAIRS = {field.name: 2 for field in fields(Drive) if isinstance(field.default, tuple)}
-del _PAIRS["laws"]
+_OTHERS = ("laws", "done_curve")
+_PAIRS = {
+    field.name: 2
+    for field in fields(Drive)
+    if isinstance(field.default, tuple) and field.name not in _OTHERS
+}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

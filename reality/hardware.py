@@ -76,6 +76,12 @@ class Hardware:
     """(robots, 2) rad/s, slower commands do not turn the wheel."""
     droop: FloatArray
     """(robots,) 1/s, share of speed lost with time."""
+    start_delay: FloatArray
+    """(robots,) s that a motor holds its wheel before it starts or turns the other way."""
+    slew_limit: FloatArray
+    """(robots,) rad/s^2, most by which the speed that a motor is asked for changes."""
+    turn_first: FloatArray
+    """(robots,) rad/s; where a wheel would be faster, speed gives way and the turn rate is kept."""
     markers: FloatArray
     """(robots, 3) m, m, rad: where the tracker's markers sit in the robot's frame."""
     clock_delay: FloatArray
@@ -132,6 +138,9 @@ class Hardware:
             speed_limit=rows([np.inf] * 2),
             dead_zone=rows([0.0] * 2),
             droop=np.zeros(robots),
+            start_delay=np.zeros(robots),
+            slew_limit=np.full(robots, np.inf),
+            turn_first=np.full(robots, np.inf),
             markers=np.zeros((robots, 3)),
             clock_delay=np.zeros(robots),
             gravity=(0.0, 0.0, -k.GRAVITY),

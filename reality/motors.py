@@ -1,4 +1,4 @@
-"""What happens to a command on its way to the wheels: delay, dead zone, limit, droop, lag.
+"""What happens to a command on its way to the wheels, from a delay to a lag.
 
 Robots with nothing hidden in this chain get their commands as they are, once per control step. For
 the others a joint's target in a physics step is the mean, over that step, of the speed that the
@@ -33,6 +33,9 @@ class Motors:
             | (hardware.motor_lag > 0.0)
             | (hardware.droop != 0.0)
             | (hardware.speed_limit < np.inf).any(axis=1)
+            | (hardware.turn_first < np.inf)
+            | (hardware.start_delay > 0.0)
+            | (hardware.slew_limit < np.inf)
             | (hardware.dead_zone > 0.0).any(axis=1)
             | (hardware.laws.wheels is not None)
         )
@@ -82,6 +85,14 @@ class Chain:
     def __init__(self, hardware: Hardware, robots: npt.NDArray[np.intp]) -> None:
         self._limit, self._dead = hardware.speed_limit[robots], hardware.dead_zone[robots]
         self._droop = hardware.droop[robots, None]
+        self._start_delay = hardware.start_delay[robots, None]
+        self._released: FloatArray = np.zeros((len(robots), 2))
+        """s from which on each wheel turns the way it was last told to, if it still is."""
+        self._way: FloatArray = np.zeros((len(robots), 2))
+        self._slew_limit = hardware.slew_limit[robots, None]
+        self._ramp: FloatArray = np.zeros((len(robots), 2))
+        """rad/s that the ramps have come to."""
+        self._turn_first = hardware.turn_first[robots]
         self._rows = np.arange(len(robots))
         delay = hardware.command_delay[robots]
         starts = k.PHYSICS_STEP * np.arange(SUBSTEPS)[:, None]
@@ -108,7 +119,18 @@ class Chain:
     def push(self, commands: FloatArray) -> None:
         """A control step begins with commands (n, 2) in rad/s."""
         self._newest += 1
-        self._queue[self._newest % len(self._queue)] = commands
+        self._queue[self._newest % len(self._queue)] = self._shaped(commands)
+
+    def _shaped(self, commands: FloatArray) -> FloatArray:
+        """Commands (n, 2) as a controller passes them on that turns before it drives."""
+        left, right = commands.T
+        most = self._turn_first
+        ahead, turn = 0.5 * (left + right), np.clip(0.5 * (right - left), -most, most)
+        room = most - np.abs(turn)
+        ahead = np.clip(ahead, -room, room)
+        within = np.maximum(np.abs(left), np.abs(right)) <= most
+        shaped = np.column_stack([ahead - turn, ahead + turn])
+        return np.where(within[:, None], commands, shaped)
 
     def now(self, substep: int) -> float:
         """s since the battery was full."""
@@ -122,14 +144,36 @@ class Chain:
         older, newer = self._queue[at, self._rows]
         switched = (older != newer).any(axis=1) & self._quick & (self._span[substep, 1, :, 0] > 0.0)
         for part, command in enumerate((older, newer)):
-            asked = self._answer(command, now)
+            span = self._span[substep, part]
+            asked = self._answer(command, now) * self._free(command, now, span)
+            asked = self._ramped(asked, span)
+            now += span
             away = self._speed - asked
-            turned += asked * self._span[substep, part] + away * self._slip[substep, part]
+            turned += asked * span + away * self._slip[substep, part]
             self._speed = asked + away * self._left[substep, part]
         share = np.where(switched, self._span[substep, 1, :, 0] / k.PHYSICS_STEP, 1.0)
         return turned / k.PHYSICS_STEP, share
 
-    def _answer(self, command: FloatArray, now: float) -> FloatArray:
+    def _free(self, command: FloatArray, now: float | FloatArray, span: FloatArray) -> FloatArray:
+        """Share (n, 2) of a part that wheels are not held: those that start are, for a while."""
+        way = np.sign(command)
+        self._released = np.where(way != self._way, now + self._start_delay, self._released)
+        self._way = way
+        held = np.clip(self._released - now, 0.0, span)
+        return 1.0 - np.divide(held, span, out=np.zeros_like(held), where=span > 0.0)
+
+    def _ramped(self, asked: FloatArray, span: FloatArray) -> FloatArray:
+        """Mean speeds (n, 2) of a part in which ramps go towards what is asked for."""
+        limited = self._slew_limit < np.inf
+        most = np.where(limited, self._slew_limit, 0.0) * span
+        away = asked - self._ramp
+        step = np.where(limited, np.clip(away, -most, most), away)
+        share = np.divide(np.abs(step), most, out=np.zeros_like(step), where=most > 0.0)
+        """Of the part, until the ramp ends; 1 where it does not."""
+        self._ramp = self._ramp + step
+        return np.where(limited, self._ramp - 0.5 * share * step, asked)
+
+    def _answer(self, command: FloatArray, now: float | FloatArray) -> FloatArray:
         """Speeds (n, 2) that motors without inertia would reach at a time (s)."""
         speed = np.abs(command)
         speed[speed < self._dead] = 0.0

@@ -41,6 +41,24 @@ static int rg_check_laws(rg_refusal *why, const rg_drive *d) {
                             rg_within(why, "drive.body", -1, d->body, RG_WAY));
 }
 
+static int rg_check_curves(rg_refusal *why, const rg_drive *d) {
+    for (int side = 0; side < 2; side++) {
+        const int knots = d->knots[side];
+        if (!(rg_within(why, "drive.done_curve knots", side, knots, 0.0, 8.0) &&
+              rg_within(why, "drive.done_curve knots", side, knots, knots == 0 ? 0.0 : 2.0, 8.0) &&
+              rg_all_within(why, "drive.done_curve told", d->told[side], knots, RG_ANY) &&
+              rg_all_within(why, "drive.done_curve done", d->done[side], knots, RG_ANY)))
+            return 0;
+        for (int i = 1; i < knots; i++) {
+            const double *told = d->told[side] + i, *done = d->done[side] + i;
+            if (!(rg_within(why, "drive.done_curve told", i, told[0] - told[-1], RG_DIVISOR) &&
+                  rg_within(why, "drive.done_curve done", i, done[0] - done[-1], RG_NOT_NEGATIVE)))
+                return 0;
+        }
+    }
+    return 1;
+}
+
 int32_t rg_check_drive(const rg_drive *d, rg_refusal *why) {
     const int good = rg_all_within(why, "drive.wheel_radius", d->wheel_radius, 2, RG_PLACE) &&
                      rg_within(why, "drive.axle", -1, d->axle, RG_LENGTH) &&
@@ -50,7 +68,9 @@ int32_t rg_check_drive(const rg_drive *d, rg_refusal *why) {
                      rg_all_within(why, "drive.speed_limit", d->speed_limit, 2, RG_LIMIT) &&
                      rg_all_within(why, "drive.dead_zone", d->dead_zone, 2, RG_LIMIT) &&
                      rg_within(why, "drive.droop_rate", -1, d->droop_rate, RG_ANY) &&
-                     rg_check_laws(why, d);
+                     rg_within(why, "drive.start_delay", -1, d->start_delay, RG_NOT_NEGATIVE) &&
+                     rg_within(why, "drive.turn_first", -1, d->turn_first, RG_LIMIT) &&
+                     rg_check_curves(why, d) && rg_check_laws(why, d);
     return good ? RG_OK : RG_BAD_ARGUMENT;
 }
 

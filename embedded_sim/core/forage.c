@@ -43,8 +43,9 @@ static const double *rg_past(const rg_motors *motors, int steps) {
 static void rg_drive_part(const rg_drive *d, rg_forager *f, const double *command,
                           const rg_part *part) {
     rg_motors *motors = &f->motors;
-    const double l = rg_wheel_advance(d, 0, &motors->speed[0], command[0], part, motors->time);
-    const double r = rg_wheel_advance(d, 1, &motors->speed[1], command[1], part, motors->time);
+    double turned[2];
+    rg_wheels_advance(d, &motors->wheels, command, part, motors->time, turned);
+    const double l = turned[0], r = turned[1];
     if (d->laws == 0) {
         f->clear -= rg_arc(d, l, r, f->now.pose, f->now.heading);
         return;

@@ -44,11 +44,33 @@ RG_INLINE rg_v rg_wheel_advance_v(const rg_drive *d, int side, rg_v *speed, rg_v
     return rg_pick(limited, 0.5 * (start + end) * h, target * h - 0.5 * step * size / most);
 }
 
-/* Drive a part of a step under one command: rg_wheel_advance and rg_arc, or rg_arc_of. */
+/* rg_wheels_advance; what shapes commands is rare, and asked lane by lane */
+RG_INLINE void rg_wheels_advance_v(const rg_drive *d, rg_group *g, const rg_v *told,
+                                   const rg_part *part, double time, rg_v turned[2]) {
+    if (!part->shaped) {
+        for (int side = 0; side < 2; side++)
+            turned[side] = rg_wheel_advance_v(d, side, &g->speed[side], told[side], part, time);
+        return;
+    }
+    for (int l = 0; l < RG_LANES; l++) {
+        const double own[2] = {told[0][l], told[1][l]};
+        rg_wheels wheels = {{g->speed[0][l], g->speed[1][l]}, {g->asked[0][l], g->asked[1][l]}};
+        double angle[2];
+        rg_wheels_advance(d, &wheels, own, part, time, angle);
+        for (int side = 0; side < 2; side++) {
+            g->speed[side][l] = wheels.speed[side];
+            g->asked[side][l] = wheels.asked[side];
+            turned[side][l] = angle[side];
+        }
+    }
+}
+
+/* Drive a part of a step under one command: rg_wheels_advance and rg_arc, or rg_arc_of. */
 RG_INLINE void rg_drive_part_v(const rg_drive *d, rg_group *g, const rg_v *command,
                                const rg_part *part, double time) {
-    const rg_v left = rg_wheel_advance_v(d, 0, &g->speed[0], command[0], part, time);
-    const rg_v right = rg_wheel_advance_v(d, 1, &g->speed[1], command[1], part, time);
+    rg_v turned[2];
+    rg_wheels_advance_v(d, g, command, part, time, turned);
+    const rg_v left = turned[0], right = turned[1];
     const rg_v sl = d->wheel_radius[0] * left, sr = d->wheel_radius[1] * right;
     rg_moved_v moved = {0.5 * (sl + sr), (sr - sl) / d->axle, {0}};
     if (d->laws > 0)

@@ -8,7 +8,7 @@
 
 typedef struct {
     rg_v x, y, cosine, sine; /* pose; cosine and sine of yaw */
-    rg_v speed[2];
+    rg_v speed[2], asked[2];
     rg_v queue[RG_COMMAND_SLOTS][2];
     rg_v food_x[RG_FOOD_MAX], food_y[RG_FOOD_MAX];
     rg_v search_turn, avoid_direction;

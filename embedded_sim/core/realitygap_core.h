@@ -89,7 +89,11 @@ typedef struct {
     double speed_limit[2];  /* rad/s, most a wheel turns [inf] */
     double dead_zone[2];    /* rad/s, commands below this do not turn a wheel [0] */
     double droop_rate;      /* 1/s, relative loss of speed with time [0] */
-    int32_t laws;           /* how many there are, of: [0] */
+    double start_delay;     /* s, a wheel stands before it starts or turns the other way [0] */
+    double turn_first;      /* rad/s, beyond which speed gives way and the turn rate stays [inf] */
+    int32_t knots[2];       /* of what a wheel does of what it is told, of: [0: as told] */
+    double told[2][8], done[2][8]; /* rad/s, rising; rad/s, never falling */
+    int32_t laws;                  /* how many there are, of: [0] */
     rg_law law[8];
     double reach; /* m from the arena's middle to where a robot's touches the wall, for laws */
     double body;  /* m, radius of a robot, for laws */
@@ -173,9 +177,15 @@ typedef struct {
     double search_turn;      /* signed curvature of the present stretch, left positive */
 } rg_controller;
 
+/* How two wheels are. */
+typedef struct {
+    double speed[2]; /* rad/s, present */
+    double asked[2]; /* s, for how long a wheel has been told to turn this way, signed as the way */
+} rg_wheels;
+
 /* The motors between two commands. */
 typedef struct {
-    double speed[2];     /* rad/s, present */
+    rg_wheels wheels;
     double queue[64][2]; /* rad/s, ring of the last commands */
     int32_t head;        /* slot of the newest command */
     double time;         /* s since the battery was full */

@@ -24,7 +24,7 @@ static void rg_replay_laws(const rg_drive *d, int64_t row, double since, double 
  * the command at the motors (first - 1: none yet, the wheels go on as they began); it only moves
  * forward. */
 static void rg_replay_interval(const rg_drive *d, const double *t, const double *commands,
-                               int64_t first, int64_t row, int64_t *arrived, double *speed,
+                               int64_t first, int64_t row, int64_t *arrived, rg_wheels *wheels,
                                const double *began, double *pose, double *heading,
                                const double *seen) {
     double now = t[row];
@@ -35,17 +35,15 @@ static void rg_replay_interval(const rg_drive *d, const double *t, const double 
         double until = end;
         if (*arrived < row)
             until = rg_min(end, t[*arrived + 1] + d->latency);
-        const int told = *arrived >= first;
-        const double left = told ? commands[2 * *arrived] : began[0];
-        const double right = told ? commands[2 * *arrived + 1] : began[1];
+        const double *told = *arrived >= first ? commands + 2 * *arrived : began;
+        double turned[2];
         const rg_part part = rg_part_of(d, until - now);
         const double since = now - t[first];
-        const double l = rg_wheel_advance(d, 0, &speed[0], left, &part, since);
-        const double r = rg_wheel_advance(d, 1, &speed[1], right, &part, since);
+        rg_wheels_advance(d, wheels, told, &part, since, turned);
         if (d->laws == 0)
-            rg_arc(d, l, r, pose, heading);
+            rg_arc(d, turned[0], turned[1], pose, heading);
         else
-            rg_replay_laws(d, row, since, part.h, l, r, pose, heading, seen);
+            rg_replay_laws(d, row, since, part.h, turned[0], turned[1], pose, heading, seen);
         now = until;
     }
 }
@@ -97,7 +95,7 @@ int32_t rg_replay(const rg_drive *drive, int64_t rows, int32_t segments, const i
             if (!rg_within(why, "rolling", k, began[side], RG_DATA))
                 return RG_BAD_ARGUMENT;
         }
-        double speed[2] = {began[0], began[1]};
+        rg_wheels wheels = {{began[0], began[1]}, {0.0, 0.0}};
         int64_t arrived = first - 1;
         for (int64_t row = first; row <= last; row++) {
             const double since = row > first ? t[row - 1] : -DBL_MAX;
@@ -105,13 +103,13 @@ int32_t rg_replay(const rg_drive *drive, int64_t rows, int32_t segments, const i
                   rg_finite(commands[2 * row + 1])))
                 return rg_refuse_command(why, row, since, t[row], commands + 2 * row);
             if (row > first)
-                rg_replay_interval(drive, t, commands, first, row - 1, &arrived, speed, began,
+                rg_replay_interval(drive, t, commands, first, row - 1, &arrived, &wheels, began,
                                    pose, heading, seen);
             for (int i = 0; i < 3; i++)
                 poses[3 * row + i] = pose[i];
             if (speeds != NULL) {
-                speeds[2 * row] = speed[0];
-                speeds[2 * row + 1] = speed[1];
+                speeds[2 * row] = wheels.speed[0];
+                speeds[2 * row + 1] = wheels.speed[1];
             }
             if (!isfinite(pose[0] + pose[1] + pose[2])) {
                 *why = (rg_refusal){"poses", row, 0, NAN, -DBL_MAX, DBL_MAX};

@@ -112,6 +112,9 @@ class Cause:
     """Words of the parameter `word`, such as which wheel."""
     word: str = ""
     """Name of the parameter that takes a word instead of a number; empty: none."""
+    where: str = ""
+    """The kind of drive (`[robot] drive_kind`) that it has a meaning for, or `unmeasured`: tried
+    only where no reference says how healthy robots move; empty: tried always."""
     columns: tuple[str, ...] = ()
     """Columns of the log beyond poses and commands without which it cannot be seen."""
     confusable_with: tuple[str, ...] = ()

@@ -42,6 +42,9 @@ def extended_text(model: ModelFile, added: Extension, tables: str | None = None)
     if terms := (*earlier.calibration, *added.calibration):
         told = [one.model_dump(mode="json", exclude_none=True) for one in terms]
         content["extension"]["calibration"] = told
+    if curves := (*earlier.done_curve, *added.done_curve):
+        told = [one.model_dump(mode="json") for one in curves]
+        content["extension"]["done_curve"] = told
     if names := earlier.names | added.names:
         content["extension"]["names"] = names
     return tomli_w.dumps(content)

@@ -36,6 +36,7 @@ from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.catalogue import every_cause
 from realitygap.models.belief.cause import ALL, Cause, Parameter
+from realitygap.models.belief.done_curve import DoneCurve
 from realitygap.models.belief.law_tables import WrittenLaw
 from realitygap.models.belief.motion import Motion
 from realitygap.models.belief.senses import Belief, SenseCause
@@ -146,12 +147,13 @@ class NamedCause(Table):
 
 
 class Extension(Table):
-    """Named causes, and laws, added to a minimal model."""
+    """Named causes, curves and laws, added to a minimal model."""
 
     log: str = ""
     """SHA-256 of the measured log they were found in."""
     command: str = ""
     causes: tuple[NamedCause, ...] = ()
+    done_curve: tuple[DoneCurve, ...] = ()
     laws: tuple[WrittenLaw, ...] = ()
     calibration: tuple[NamedCause, ...] = ()
     """Terms with values that predict best beside the others: fitted, and no diagnosis."""
@@ -177,8 +179,8 @@ class Extension(Table):
     def robots(self) -> list[int]:
         """Robots that some cause concerns and others not, in order; empty: all are alike."""
         told = [own for law in self.laws for own in law.amplitudes if own.robot is not None]
-        every = (*self.causes, *self.calibration)
-        causes = [one.robots for one in every if one.robots != "all"]
+        causes = [one.robots for one in (*self.causes, *self.calibration) if one.robots != "all"]
+        causes += [one.robots for one in self.done_curve if one.robots != "all"]
         return sorted({r for robots in causes for r in robots} | {one.robot or 0 for one in told})
 
     def check_robots(self, known: Collection[int], file: str) -> None:
@@ -202,19 +204,24 @@ class Extension(Table):
                     )
 
     def _concerned(self) -> Iterator[tuple[str, int, tuple[int, ...]]]:
-        """Of each cause and law of some robots, which."""
+        """Of each cause, curve and law of some robots, which."""
         for index, cause in enumerate(self.causes):
             yield "causes", index, () if cause.robots == "all" else cause.robots
+        for index, curve in enumerate(self.done_curve):
+            yield "done_curve", index, () if curve.robots == "all" else curve.robots
         for index, term in enumerate(self.calibration):
             yield "calibration", index, () if term.robots == "all" else term.robots
         for index, law in enumerate(self.laws):
             yield "laws", index, () if law.robots == "all" else law.robots
 
     def applied(self, motion: Motion, robot: int | None) -> Motion:
-        """The motion of a robot with every cause and law that concerns it."""
+        """The motion of a robot with all that concerns it."""
         for cause in (*self.causes, *self.calibration):
             if cause.concerns(robot):
                 motion = cause.applied(motion)
+        for curve in self.done_curve:
+            if curve.concerns(robot):
+                motion = curve.applied(motion)
         for law in self.laws:
             motion = law.applied(motion, robot)
         return motion

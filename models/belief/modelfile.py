@@ -48,6 +48,9 @@ class RobotSection(Table):
     """m."""
     wheel_speed_max: Annotated[float, Field(gt=0.0, le=1000.0)]
     """rad/s; only judges whether a log's commands are plausible: the point model does not clip."""
+    drive_kind: Literal["differential", "skid"] = "differential"
+    """`skid`: wheels that slip sideways in every turn; then slip and effective axle are told, and
+    no other radius or separation of the wheels."""
 
 
 class Circle(Table):

@@ -1,7 +1,8 @@
-"""Causes that a diagnosis is to do without, as if nobody had thought of them.
+"""Causes that a diagnosis does without.
 
-A catalogue is never complete. Taking an entry away shows what a diagnosis says of a fault that it
-has no name for, on faults of which everything else is known.
+Some are taken away, as if nobody had thought of them: a catalogue is never complete, and this shows
+what a diagnosis says of a fault that it has no name for. Others have no meaning for a robot, or are
+the same as another where more is known of it (`Cause.where`).
 """
 
 from __future__ import annotations
@@ -10,7 +11,12 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
+from realitygap.models.belief.catalogue import every_cause
+
+UNMEASURED = "unmeasured"
+"""The fact that no healthy robot's motion is known."""
 _NAMES: ContextVar[frozenset[str]] = ContextVar("withheld", default=frozenset())
+_FACTS: ContextVar[frozenset[str]] = ContextVar("facts", default=frozenset({"differential"}))
 
 
 @contextmanager
@@ -23,6 +29,22 @@ def without(names: Iterable[str]) -> Iterator[None]:
         _NAMES.reset(token)
 
 
+@contextmanager
+def where(drive_kind: str, *, measured: bool = True) -> Iterator[None]:
+    """Within it, the causes that make sense of such a robot are tried.
+
+    Args:
+        drive_kind: As the model file has it.
+        measured: Whether a healthy reference says how such robots move.
+    """
+    token = _FACTS.set(frozenset({drive_kind} if measured else {drive_kind, UNMEASURED}))
+    try:
+        yield
+    finally:
+        _FACTS.reset(token)
+
+
 def withheld(name: str) -> bool:
     """Whether the cause of this name is not to be tried."""
-    return name in _NAMES.get()
+    asked = every_cause()[name].where
+    return name in _NAMES.get() or (bool(asked) and asked not in _FACTS.get())

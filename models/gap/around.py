@@ -15,17 +15,23 @@ from realitygap.models.gap.conditions import nearest_robot
 from realitygap.models.log.frames import Rows
 from realitygap.models.log.measured import MeasuredLog
 
+WHERE = {"heading", "radius", "place", "wall", "gap"}
+
 
 def around(log: MeasuredLog, drive: Drive) -> FloatArray | None:
     """(rows, 4) x, y (m), yaw (rad), distance to the next robot's middle (m; inf: none).
 
-    None where the drive has no laws. Rows without a pose have the one before them.
+    None where no law of the drive asks for it. Rows without a pose have the one before them.
     """
-    if not drive.laws:
+    if not asked(drive):
         return None
-    of = {atom.of for law in drive.laws for atom in law.atoms}
-    gap = nearest_robot(log) if "gap" in of else np.full(len(log.t), np.inf)
+    gap = nearest_robot(log) if "gap" in asked(drive) else np.full(len(log.t), np.inf)
     return carried_on(np.column_stack([log.poses, gap]), log.tracked, log.start)
+
+
+def asked(drive: Drive) -> set[str]:
+    """Quantities of a drive's laws that tell where a robot is."""
+    return WHERE.intersection(atom.of for law in drive.laws for atom in law.atoms)
 
 
 def carried_on(seen: FloatArray, known: npt.NDArray[np.bool_], start: Rows) -> FloatArray:

@@ -10,6 +10,7 @@ from pathlib import Path
 from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.models.belief.catalogue import every_cause
 from realitygap.models.belief.modelfile import ModelFile
+from realitygap.models.belief.withheld import where
 from realitygap.models.belief.withheld import without as withholding
 from realitygap.models.log.repertoire import manoeuvres
 from realitygap.models.naming.channels.motion.diagnose import diagnose as diagnose_motion
@@ -101,7 +102,8 @@ def _examined(
     healthy = _reference(request.reference, model.file, scripted)
     senses = _sense_reference(request.reference, model.file, scripted)
     alike = healthy is not None and healthy.recorded_like(measured.recorder, measured.step)
-    with withholding(request.without):
+    robot = model.file.robot
+    with withholding(request.without), where(robot.drive_kind, measured=healthy is not None):
         begin("motion")
         measured, placed = in_the_models_frame(
             measured, model.file, model.tables, alike=alike, rules=rules

@@ -11,6 +11,7 @@ import numpy as np
 from realitygap.embedded_sim.errors import InputError
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.embedded_sim.probes import MENU, PREFIX
+from realitygap.models.belief.withheld import where
 from realitygap.models.naming.channels.motion.claims import farthest_error
 from realitygap.models.naming.channels.motion.tracks import Tracks, cut_tracks
 from realitygap.models.naming.engine.health import Told
@@ -225,7 +226,8 @@ def _terms(task: tuple[Source, Model, FloatArray]) -> Told:
 
     log, model, inherent = task
     believed = Motion(drive=model.file.motion().drive)
-    return told_of(_tracks(log, model), INHERENT.applied(believed, inherent))
+    with where(model.file.robot.drive_kind):
+        return told_of(_tracks(log, model), INHERENT.applied(believed, inherent))
 
 
 def _error(task: tuple[Source, Model, Reference]) -> tuple[float, str, float]:

@@ -54,6 +54,18 @@ wheels change speed, and a healthy reference says how fast sound wheels do:
 `healthy_acceleration` (rad/s²), which both are shares of, stands beside them. Without a reference
 nothing is a share of anything: neither is named, and the diagnosis says so. Where the truth is
 known, `studies/hidden/shares.py` turns what was hidden into these shares.
+
+Some causes are tried on some logs only (`Cause.where`):
+
+- `slew_limit` is the term of `weak_motor` in its own unit, rad/s², for logs without a healthy
+  reference. With one, a ramp is told as `weak_motor`: no log tells a motor's torque from a ramp of
+  its controller.
+- `slip` (`share`), `effective_axle` (`scale`) and `side_slip` (`seconds`) are of robots of skid
+  steer, those whose model file says `drive_kind = "skid"`. The first two are the terms of
+  `wheel_radius_scale` and `wheel_separation`, and stand in their place: of four wheels that scrub
+  in every turn no log tells radius from slip. `side_slip` is how fast the body drifts out of a
+  curve, per speed (m/s) and turn rate (rad/s). No body of the physical world has four wheels, so
+  that none has an effect.
 """
 
 

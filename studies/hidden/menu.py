@@ -99,7 +99,11 @@ def _window(size: float, random: np.random.Generator) -> Mapping[str, Value]:
 
 
 def _limit(size: float, random: np.random.Generator) -> Mapping[str, Value]:
-    return {"limit": k.WHEEL_SPEED_MAX * (1.0 - size), "wheel": _wheel(random)}
+    return {**_turn_first(size, random), "wheel": _wheel(random)}
+
+
+def _turn_first(size: float, random: np.random.Generator) -> Mapping[str, Value]:
+    return {"limit": k.WHEEL_SPEED_MAX * (1.0 - size)}
 
 
 def _threshold(size: float, random: np.random.Generator) -> Mapping[str, Value]:
@@ -127,6 +131,9 @@ MENU: Mapping[str, Entry] = {
     "command_latency": Entry(
         unit="s", follows="change", bar=0.040, swarm_bar=0.008, values=_plain("seconds")
     ),
+    "start_delay": Entry(
+        unit="s", follows="change start turn_side turning", bar=0.1, values=_plain("seconds")
+    ),
     "motor_lag": Entry(unit="s", follows="change", bar=0.025, values=_plain("time_constant")),
     "weak_motor": Entry(
         unit="nominal over torque, less 1",
@@ -146,6 +153,13 @@ MENU: Mapping[str, Entry] = {
         bar=0.1,
         largest=0.9,
         values=_limit,
+    ),
+    "turn_first": Entry(
+        unit="share of full speed",
+        follows="speed speed_squared turning",
+        bar=0.1,
+        largest=0.9,
+        values=_turn_first,
     ),
     "motor_dead_zone": Entry(
         unit="share of full speed", follows="speed turning", bar=0.1, values=_threshold

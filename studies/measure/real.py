@@ -9,6 +9,7 @@ much could be predicted at all.
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -29,7 +30,7 @@ from realitygap.models.log.formats.optiodom import read_optiodom
 from realitygap.models.log.frames import Windows
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.naming.claims.ahead import Ahead
-from realitygap.models.naming.claims.calibration import GEOMETRY, Paths, every_term
+from realitygap.models.naming.claims.calibration import GEOMETRY, MOTORS, Paths, terms_of
 from realitygap.studies.diagnosis.diagnose import diagnose
 from realitygap.studies.inputs.logs import as_log
 from realitygap.studies.inputs.model import Model
@@ -43,6 +44,7 @@ MOST_WINDOWS = 6000
 """Windows of each horizon that the trees learn from, and that all are judged on: it bounds work."""
 RESAMPLED = 400
 """Bootstrap samples of runs."""
+RIVALS = {"wheels and axle": terms_of(GEOMETRY), "all terms": terms_of((*MOTORS, *GEOMETRY))}
 BINS, BEFORE, BIN = 4, 4, 0.25
 """Parts of a window, and parts of so many seconds before it, whose commands the trees are given."""
 
@@ -133,9 +135,8 @@ def measured(data: DataSet) -> tuple[pd.DataFrame, Mapping[str, Any]]:
 def _fitted(log: MeasuredLog, file: ModelFile, robots: list[int]) -> dict[str, dict[int, Motion]]:
     """Rivals' motions by name and robot."""
     ahead = Ahead(log, conditions(log, file))
-    few = tuple(term for term in every_term() if term.cause.name in GEOMETRY)
     found: dict[str, dict[int, Motion]] = {}
-    for name, terms in (("wheels and axle", few), ("all terms", every_term())):
+    for name, terms in RIVALS.items():
         for robot in robots:
             paths = Paths(ahead, robot, file.motion(robot), None, terms)
             at = paths.run()
@@ -213,7 +214,7 @@ def _commands(log: MeasuredLog, pairs: Windows) -> FloatArray:
     )
     far = 2.0 * (float(np.ptp(log.t)) + BIN * BEFORE + 1.0)
     axis = log.t + far * log.segment
-    for a, b in zip(edges[:-1], edges[1:], strict=True):
+    for a, b in itertools.pairwise(edges):
         low = np.maximum(a, first) + far * segment
         high = np.maximum(b, first) + far * segment
         for side in (0, 1):

@@ -20,6 +20,7 @@ static void build_model(rg_model *m, float *ps, float *ls) {
         m->drive.acceleration[side] = m->drive.speed_limit[side] = INFINITY;
     }
     m->drive.axle = 0.053;
+    m->drive.turn_first = INFINITY;
     m->tables = (rg_tables){.ps_counts = ps,
                             .ps_floats = 8 * DISTANCES * INCIDENCES,
                             .ps_distances = DISTANCES,
@@ -128,6 +129,10 @@ static void replay(const rg_model *m) {
     rg_drive late = m->drive;
     late.latency = 0.333;
     late.time_constant = 0.05;
+    late.turn_first = 4.0;
+    late.start_delay = 0.17;
+    late.knots[0] = 2;
+    late.told[0][1] = late.done[0][1] = 5.0;
     late.acceleration[0] = late.acceleration[1] = 50.0;
     const rg_drive *drives[2] = {&m->drive, &late};
     for (int i = 0; i < 2; i++) {

@@ -143,6 +143,15 @@ static void build_drive(bytes *from, rg_drive *d) {
     d->axle = uniform(from, 0.03, 0.06);
     d->latency = below(from, 2) ? 0.0 : uniform(from, 0.0, 2.4);
     d->time_constant = below(from, 2) ? 0.0 : uniform(from, 0.0, 0.3);
+    for (int side = 0; side < 2; side++) {
+        d->knots[side] = below(from, 2) ? 0 : 2 + below(from, 7);
+        for (int i = 0; i < d->knots[side]; i++) {
+            d->told[side][i] = 2.0 * (i - 4) + uniform(from, 0.0, 1.0);
+            d->done[side][i] = 2.0 * (i - 4) + uniform(from, 0.0, 1.0);
+        }
+    }
+    d->start_delay = below(from, 2) ? 0.0 : uniform(from, 0.0, 0.5);
+    d->turn_first = below(from, 2) ? INFINITY : uniform(from, 1.0, 12.0);
     d->reach = 0.565;
     d->body = 0.035;
     d->laws = below(from, 2) ? 0 : below(from, 4);

@@ -72,6 +72,7 @@ cases = st.fixed_dictionaries(
         "drive": some(
             wheel_radius=pairs, axle=numbers, latency=numbers, time_constant=numbers,
             acceleration=pairs, speed_limit=pairs, dead_zone=pairs, droop_rate=numbers,
+            turn_first=numbers, start_delay=numbers,
         ),
         "senses": some(
             ps_gain=lists, ps_offset=lists, ls_gain=lists, ps_noise=numbers, wall_albedo=numbers,

@@ -95,7 +95,8 @@ def test_without_a_lamp_the_genes_make_no_difference() -> None:
 
 
 def test_null_terms_leave_whole_evaluations_bit_for_bit() -> None:
-    null = Drive(acceleration=(math.inf, math.inf), speed_limit=(math.inf, math.inf))
+    limits = dict.fromkeys(("acceleration", "speed_limit"), (math.inf, math.inf))
+    null = Drive(turn_first=math.inf, start_delay=0.0, **limits)
     model = replace(load_model(), drive=null, senses=Senses(lamp_height=0.10))
     assert (forage(POSITIVE, AT_NEST, 50, model) == forage(POSITIVE, AT_NEST, 50)).all()
 

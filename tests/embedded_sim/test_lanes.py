@@ -35,6 +35,11 @@ drives = st.builds(
     speed_limit=pairs(2.0, 12.0),
     dead_zone=pairs(0.0, 2.0),
     droop_rate=st.sampled_from([0.0, 0.001, 0.1]),
+    start_delay=st.sampled_from([0.0, 0.03, 0.3]),
+    done_curve=st.sampled_from(
+        [((), ()), (((-6.0, -5.0), (-1.0, 0.0), (1.0, 0.1), (5.0, 4.0)), ((0.0, 0.0), (9.0, 7.0)))]
+    ),
+    turn_first=st.one_of(st.just(float("inf")), st.floats(1.0, 12.0)),
 )
 senses = st.builds(
     Senses,

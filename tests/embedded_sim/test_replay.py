@@ -92,6 +92,77 @@ def test_saturation_dead_zone_and_droop_do_what_their_names_say() -> None:
     assert np.diff(drooped[:, 0])[-1] == pytest.approx(0.0205 * 6.0 * 0.04 * 0.88, rel=1e-3)
 
 
+def test_a_wheel_waits_before_it_starts_and_before_it_turns_the_other_way_and_never_else() -> None:
+    told = [0.0] * 10 + [5.0] * 30 + [3.0] * 20 + [-4.0] * 25 + [0.0] * 2 + [-4.0] * 14 + [0.0]
+    path = one_segment(np.tile(np.array(told)[:, None], (1, 2)), Drive(start_delay=0.11))
+    turned = 5.0 * (1.2 - 0.11) + 3.0 * 0.8 - 4.0 * (1.0 - 0.11) - 4.0 * (0.56 - 0.11)
+    assert path[-1, 0] == pytest.approx(0.0205 * turned, rel=1e-12)
+    assert path[12, 0] == 0.0  # 80 ms after the first command
+    assert path[13, 0] == pytest.approx(0.0205 * 5.0 * 0.01, rel=1e-9)
+
+
+def test_a_moving_wheel_that_waits_is_braked_by_its_motor() -> None:
+    told, lag = np.array([5.0] * 50 + [-5.0] * 51), 0.05
+    drive = Drive(start_delay=0.3, time_constant=lag)
+    path = one_segment(np.tile(told[:, None], (1, 2)), drive)[:, 0]
+    assert path[57] - path[50] == pytest.approx(0.0205 * 5.0 * lag * (1.0 - math.exp(-5.6)))
+    assert np.diff(path)[-1] == pytest.approx(-0.0205 * 5.0 * 0.04)
+
+
+CURVE = ((-6.0, -5.0), (-1.0, 0.0), (1.0, 0.0), (5.0, 4.5))
+
+
+@given(told=st.floats(-9.0, 9.0))
+def test_a_wheel_does_what_its_curve_says_and_the_other_as_told(told: float) -> None:
+    drive = Drive(done_curve=(CURVE, ()))
+    path = replay([0.0, 0.04], [[told, told]] * 2, [0, 2], [[0, 0, 0]], drive=drive).poses[-1]
+    done = float(np.interp(told, *np.array(CURVE).T))
+    assert path[2] == pytest.approx(0.0205 * (told - done) * 0.04 / drive.axle, abs=1e-12)
+
+
+def test_a_dead_zone_and_a_limit_are_shapes_of_a_curve() -> None:
+    told = np.random.default_rng(3).uniform(-7.0, 7.0, (200, 2))
+    told[np.abs(np.abs(told) - 1.0) < 1e-3] = 2.0
+    edge = 1.0 - 1e-6
+    shape = ((-5.0, -5.0), (-1.0, -1.0), (-edge, 0.0), (edge, 0.0), (1.0, 1.0), (5.0, 5.0))
+    curved = one_segment(told, Drive(done_curve=(shape, shape)))
+    plain = one_segment(told, Drive(dead_zone=(1.0, 1.0), speed_limit=(5.0, 5.0)))
+    assert curved == pytest.approx(plain, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("curve", "said"),
+    [
+        (((1.0, 1.0),), r"done_curve knots\[0\]: got 1"),
+        (tuple((float(k), float(k)) for k in range(9)), "done_curve knots: got 9"),
+        (((0.0, 0.0), (0.0, 1.0)), r"done_curve told\[1\]: got 0"),
+        (((0.0, 1.0), (1.0, 0.0)), r"done_curve done\[1\]: got -1"),
+        (((0.0, 1.0), (math.inf, 2.0)), r"done_curve told\[1\]: got inf"),
+    ],
+)
+def test_a_curve_that_is_none_is_refused(curve: tuple[tuple[float, float], ...], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        Drive(done_curve=(curve, ())).struct()
+
+
+@given(left=speeds, right=speeds, most=st.floats(0.1, 7.0))
+def test_a_robot_that_turns_first_gives_up_speed_and_keeps_its_turn_rate(
+    left: float, right: float, most: float
+) -> None:
+    told = one_segment(np.tile([left, right], (2, 1)), Drive())[-1]
+    done = one_segment(np.tile([left, right], (2, 1)), Drive(turn_first=most))[-1]
+    forward = 0.5 * (left + right)
+    turn = 0.5 * (right - left)
+    room = max(most - abs(turn), 0.0)
+    turned = math.copysign(min(abs(turn), most), turn)
+    assert done[2] == pytest.approx(2.0 * 0.0205 * turned * 0.04 / Drive().axle, abs=1e-12)
+    kept = math.copysign(min(abs(forward), room), forward)
+    chord = 0.0205 * kept * 0.04 * np.sinc(0.5 * done[2] / np.pi)
+    assert math.hypot(*done[:2]) == pytest.approx(abs(chord), abs=1e-12)
+    if max(abs(left), abs(right)) <= most:
+        assert done.tobytes() == told.tobytes()
+
+
 @given(st.lists(st.tuples(speeds, speeds), min_size=2, max_size=30))
 def test_the_null_is_the_minimal_model_to_the_last_bits(
     commands: list[tuple[float, float]],

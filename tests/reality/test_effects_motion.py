@@ -132,6 +132,40 @@ def test_a_saturated_wheel_turns_at_its_limit(wheel: str, sides: tuple[int, ...]
     assert speeds == pytest.approx(expected, abs=0.05)
 
 
+def test_a_robot_that_turns_first_slows_down_and_turns_as_told() -> None:
+    path = drive(lambda step: (3.0, FULL), 1.5, "turn_first:limit=4.0,robot=1")
+    assert path.encoders[20:, 1].mean(axis=0) == pytest.approx([1.0, 4.0], abs=0.05)
+    turned = path.turned[-1] - path.turned[20]
+    assert turned[1] == pytest.approx(turned[0], rel=0.01)
+
+
+def test_a_robot_that_turns_first_and_is_told_no_more_does_as_told() -> None:
+    same = drive(spin, 0.4, "turn_first:limit=4.0,robot=1")
+    assert same.encoders[5:, 1].mean(axis=0) == pytest.approx([-4.0, 4.0], abs=0.05)
+
+
+@pytest.mark.parametrize("seconds", [0.1, 0.3])
+def test_a_wheel_waits_before_it_starts(seconds: float) -> None:
+    measured = lag_of_second(f"start_delay:seconds={seconds},robot=1")
+    assert measured == pytest.approx(seconds, abs=3e-3)
+
+
+def test_a_wheel_waits_before_it_turns_the_other_way_and_not_before_it_slows_down() -> None:
+    told = [FULL] * 15 + [1.0] * 15 + [-1.0] * 15
+    path = drive(lambda step: (told[step],) * 2, 1.76, "start_delay:seconds=0.2,robot=1")
+    ahead = path.ahead
+    slower = ahead[30] - ahead[16]
+    assert slower[1] == pytest.approx(slower[0], rel=0.02)
+    back = ahead[-1] - ahead[30]
+    assert back[1] - back[0] == pytest.approx(0.2 * k.WHEEL_RADIUS, rel=0.06)
+
+
+@pytest.mark.parametrize("rate", [8.0, 20.0])
+def test_a_ramp_costs_half_the_time_that_it_takes(rate: float) -> None:
+    measured = lag_of_second(f"slew_limit:rate={rate},robot=1")
+    assert measured == pytest.approx(0.5 * FULL / rate, abs=0.012)  # less than motors lose without
+
+
 @pytest.mark.parametrize("wheel", ["left", "right", "both"])
 def test_a_wheel_commanded_within_its_dead_zone_stands_still(wheel: str) -> None:
     path = drive(

@@ -15,7 +15,9 @@ from tests.golden.answers import answer_file, log_file
 from tests.golden.plan import plan
 from tests.helpers import ROOT
 
-NAMES = sorted({*catalogue(), *every_cause(), *MENU})
+ELSEWHERE = {n for n, c in every_cause().items() if c.where in ("skid", "unmeasured")}
+"""Causes of other robots than those of the physical world, and of logs without a reference."""
+NAMES = sorted({*catalogue(), *every_cause(), *MENU} - ELSEWHERE)
 
 
 UNMEASURED = "not named, for the healthy reference"

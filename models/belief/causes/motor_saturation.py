@@ -25,7 +25,8 @@ def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
     return replace(motion, drive=replace(motion.drive, speed_limit=(left, right)))
 
 
-def _starts(commands: FloatArray) -> list[FloatArray]:
+def starts(commands: FloatArray) -> list[FloatArray]:
+    """(1,) limits to start from, rad/s."""
     fastest = float(np.abs(commands).max(initial=0.0))
     return [np.array([share * fastest]) for share in STARTS]
 
@@ -43,5 +44,5 @@ CAUSE = Cause(
     word="wheel",
     confusable_with=("wheel_radius_scale", "wheel_radius_mismatch"),
     experiment="straights",
-    starts=_starts,
+    starts=starts,
 )

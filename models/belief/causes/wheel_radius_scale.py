@@ -9,7 +9,8 @@ from realitygap.models.belief.cause import Cause, Parameter
 from realitygap.models.belief.motion import Motion
 
 
-def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
+def change(motion: Motion, values: FloatArray, variant: str) -> Motion:
+    """The motion with the radii of both wheels scaled."""
     scale = float(values[0])
     left, right = motion.drive.wheel_radius
     drive = replace(motion.drive, wheel_radius=(left * scale, right * scale))
@@ -24,7 +25,8 @@ CAUSE = Cause(
     parameters=(
         Parameter(name="scale", unit="1", null=1.0, low=0.3, high=3.0, step=1e-3, link="factor"),
     ),
-    change=_change,
+    change=change,
+    where="differential",
     geometric=True,
     confusable_with=("speed_droop", "motor_saturation", "motor_dead_zone", "wheel_separation"),
     experiment="straights",

@@ -9,7 +9,8 @@ from realitygap.models.belief.cause import Cause, Parameter
 from realitygap.models.belief.motion import Motion
 
 
-def _change(motion: Motion, values: FloatArray, variant: str) -> Motion:
+def change(motion: Motion, values: FloatArray, variant: str) -> Motion:
+    """The motion with the axle scaled."""
     return replace(motion, drive=replace(motion.drive, axle=motion.drive.axle * float(values[0])))
 
 
@@ -30,7 +31,8 @@ CAUSE = Cause(
             doubt=0.04,
         ),
     ),
-    change=_change,
+    change=change,
+    where="differential",
     geometric=True,
     confusable_with=("wheel_radius_scale", "wheel_radius_mismatch"),
     experiment="spins",

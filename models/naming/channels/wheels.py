@@ -430,7 +430,7 @@ def _values(wheels: _Wheels, fit: _Fit) -> list[tuple[Value, ...]]:
     for k, (term, at) in enumerate(zip(fit.terms, fit.at, strict=True)):
         mine = slice(begin, begin := begin + len(at))
         if term.cause.smooth:
-            found.append(values(term, at, covariance[mine, mine], wheels.tracks.commands))
+            found.append(values(term, at, covariance[mine, mine]))
         else:
             found.append((_threshold(wheels, fit, k),))
     return found

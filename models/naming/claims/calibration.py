@@ -9,6 +9,7 @@ What such a value means is not said: a radius of 0.9 may be a worn tyre, a slipp
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -30,7 +31,7 @@ from realitygap.models.log.frames import Windows
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.tracker import NORMAL
 from realitygap.models.naming.channels.motion.examination import Examination
-from realitygap.models.naming.channels.wheels import before_the_encoders, widest
+from realitygap.models.naming.channels.wheels import widest
 from realitygap.models.naming.claims.ahead import KEYS, SECONDS, Ahead
 from realitygap.models.naming.claims.harm import helps, worse
 from realitygap.models.naming.claims.written import written
@@ -41,10 +42,10 @@ from realitygap.models.naming.laws.written import law_table
 from realitygap.models.naming.rules import Rules
 
 GEOMETRY = ("wheel_radius_scale", "wheel_radius_mismatch", "wheel_separation")
-"""Terms behind the encoders; those before them are the catalogue's. No rule: they are what a point
-on two wheels has."""
-DRIFTS = ("speed_droop",)
-"""Not fitted: what changes with time holds for no other day. No rule."""
+"""Terms behind the encoders. No rule: they are what a point on two wheels has."""
+MOTORS = ("command_latency", "motor_lag", "motor_saturation")
+"""Terms before them. No rule: what changes with time holds for no other day, and a threshold has no
+slope to follow."""
 MOST_WINDOWS = 1500
 """Windows of each horizon that a fit looks at, evenly over the log. No rule: it bounds work."""
 EVALUATIONS = 25
@@ -61,17 +62,9 @@ LEAST = (1e-4, 1e-4, 1e-3)
 """m, m, rad: errors are never taken to be smaller. No rule: below any tracker."""
 
 
-def every_term() -> Terms:
-    """Smooth terms of the point model, each once."""
-    return tuple(
-        widest(cause)
-        for cause in causes().values()
-        if cause.smooth
-        and not cause.given
-        and not cause.columns
-        and cause.name not in DRIFTS
-        and (cause.name in GEOMETRY or before_the_encoders(cause))
-    )
+def terms_of(names: Iterable[str]) -> Terms:
+    """Terms of causes, of both wheels where there is a word for that."""
+    return tuple(widest(causes()[name]) for name in names)
 
 
 class Paths:
@@ -80,8 +73,12 @@ class Paths:
     def __init__(
         self, ahead: Ahead, robot: int, base: Motion, part: int | None, terms: Terms | None = None
     ) -> None:
-        """Choose the windows; `terms` are `every_term` where not given."""
-        self.log, self.base, self.terms = ahead.log, base, every_term() if terms is None else terms
+        """Choose the windows; `terms` are all where not given."""
+        self.log, self.base, self.terms = (
+            ahead.log,
+            base,
+            terms_of((*MOTORS, *GEOMETRY)) if terms is None else terms,
+        )
         self.segments = np.flatnonzero(ahead.segment_robot == robot).tolist()
         self.pairs = []
         for horizon in SECONDS:

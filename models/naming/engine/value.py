@@ -9,7 +9,6 @@ import numpy as np
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.cause import Parameter
 from realitygap.models.naming.engine.hypothesis import Term
-from realitygap.models.naming.engine.measure import strength, uncertainty
 
 NOMINAL = 1.96
 """Standard deviations of a normal variable on each side of 95 %. No rule: of statistics."""
@@ -31,7 +30,6 @@ def values(
     term: Term,
     coordinates: FloatArray,
     covariance: FloatArray,
-    commands: FloatArray,
 ) -> tuple[Value, ...]:
     """A term's parameters with intervals.
 
@@ -42,23 +40,16 @@ def values(
         term: Fitted.
         coordinates: (p,), less what healthy robots get.
         covariance: (p, p), with the spread of healthy robots.
-        commands: (rows, 2).
     """
-    limits = any(not np.isfinite(p.null) for p in term.cause.parameters)
-    error = uncertainty(term, coordinates[None], covariance[None])[0]
-    half = NOMINAL * error
-    if limits:
-        deep = strength(term, coordinates[None], commands)[0]
-        fastest = float(np.log(np.abs(commands).max(initial=1e-9)))
-        return tuple(
-            told(p, *(_exp(fastest - e + side) for side in (0.0, -h, h)))
-            for p, e, h in zip(term.cause.parameters, deep, half, strict=True)
-        )
     found = []
-    for p, u, h in zip(term.cause.parameters, coordinates, half, strict=True):
-        rough = np.hypot(p.doubt * abs(u), p.unsure)
-        h = float(np.hypot(h, NOMINAL * rough))
-        found.append(told(p, *(p.believed(float(v)) for v in (u, u - h, u + h))))
+    half = NOMINAL * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    for p, c, h in zip(term.cause.parameters, coordinates, half.tolist(), strict=True):
+        u = float(np.clip(c, *p.bounds))
+        if np.isfinite(p.null):
+            h = float(np.hypot(h, NOMINAL * np.hypot(p.doubt * abs(u), p.unsure)))
+            found.append(told(p, *(p.believed(v) for v in (u, u - h, u + h))))
+        else:  # a limit: always positive
+            found.append(told(p, *(u * _exp(side / u) for side in (0.0, -h, h))))
     return tuple(found)
 
 

@@ -42,10 +42,10 @@ INHERENT = Cause(
     name="inherent",
     meaning="what healthy robots do that the minimal model leaves out",
     parameters=(
-        Parameter(name="scale", unit="1", null=1.0, low=0.7, high=1.4, step=1e-3, link="factor"),
-        Parameter(name="axle", unit="1", null=1.0, low=0.7, high=1.4, step=1e-3, link="factor"),
+        Parameter(name="scale", unit="1", null=1.0, low=0.2, high=1.5, step=1e-3, link="factor"),
+        Parameter(name="axle", unit="1", null=1.0, low=0.3, high=10.0, step=1e-3, link="factor"),
         Parameter(name="latency", unit="s", null=0.0, low=-0.1, high=0.5, step=1e-3),
-        Parameter(name="lag", unit="s", null=0.0, low=0.0, high=0.5, step=1e-3),
+        Parameter(name="lag", unit="s", null=0.0, low=0.0, high=2.0, step=1e-3),
         Parameter(
             name="acceleration",
             unit="rad/s^2",

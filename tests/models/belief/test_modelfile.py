@@ -133,6 +133,7 @@ wheel_radius = 0.02
 axle = 0.05
 body_radius = 0.03
 wheel_speed_max = 6.0
+drive_kind = "skid"
 [arena]
 radius = 1.1
 food_items = 5

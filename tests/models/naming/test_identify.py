@@ -13,6 +13,7 @@ from realitygap.embedded_sim import Drive, replay
 from realitygap.models.belief.catalogue import causes
 from realitygap.models.belief.modelfile import read_model_file
 from realitygap.models.belief.motion import Motion
+from realitygap.models.belief.withheld import where
 from realitygap.models.log.measured import make_log
 from realitygap.models.naming.channels.motion.diagnose import diagnose
 from realitygap.models.naming.channels.motion.fit import Problem
@@ -96,6 +97,8 @@ def test_healthy_robots_are_left_alone() -> None:
         (replace(HEALTHY, droop_rate=1.5e-3), "speed_droop", "rate", 1.5e-3),
         (replace(HEALTHY, speed_limit=(4.0, np.inf)), "motor_saturation", "limit", 4.0),
         (replace(HEALTHY, dead_zone=(0.9, 0.9)), "motor_dead_zone", "threshold", 0.9),
+        (replace(HEALTHY, turn_first=4.0), "turn_first", "limit", 4.0),
+        (replace(HEALTHY, start_delay=0.06), "start_delay", "seconds", 0.06),
     ],
 )
 def test_a_fault_of_one_robot_is_named_with_its_value(
@@ -218,16 +221,40 @@ def manoeuvre(
     return pd.DataFrame({"run": f"r{seed}", "robot": 0, "t": t, **columns})
 
 
-def test_a_dead_time_at_starts_is_not_named_after_a_cause_that_half_resembles_it() -> None:
+def test_a_dead_time_at_starts_is_named_and_not_after_a_cause_that_half_resembles_it() -> None:
     rng = np.random.default_rng(18)
     drives = np.repeat(rng.uniform(1.5, 6.0, (40, 2)), 50, axis=0).reshape(40, 50, 2)
     rests = np.zeros((40, 12, 2))
     commands = np.concatenate([rests, drives], axis=1).reshape(-1, 2)
-    found = diagnosed(manoeuvre(commands, 18, drive=HEALTHY, dead=0.45))
-    assert found.verdict == "unexplained"
-    assert not names(found)
-    assert found.unexplained[0].quantity == "start"
-    assert 0.0 < found.unexplained[0].share < 1.0
+    found = diagnosed(manoeuvre(commands, 18, drive=HEALTHY, dead=0.44))
+    assert found.verdict == "named"
+    assert names(found) == [("start_delay", (0,))]
+    assert found.named[0].values[0].value == pytest.approx(0.44, abs=2e-3)
+
+
+def test_a_ramp_is_told_in_its_own_unit_where_nobody_knows_what_healthy_motors_do() -> None:
+    frame = table(22, {}, robots=1).assign(robot=1)
+    ramped = table(23, {0: Drive(acceleration=(14.0, 14.0))}, robots=1)
+    log = make_log(pd.concat([frame, ramped]), drive=MODEL.motion().drive)
+    with where("differential", measured=False):
+        found = diagnose(log, MODEL, None).diagnosis
+    told = {(one.term.cause.name, one.robots): one.values[0] for one in found.named}
+    rate = told["slew_limit", (0,)]
+    assert rate.low <= 14.0 <= rate.high
+    assert rate.high - rate.low < 1.0
+    assert ("slew_limit", (0,)) not in names(diagnosed(ramped))
+
+
+def test_a_robot_of_skid_steer_slips_and_scrubs_and_has_no_other_wheels() -> None:
+    slip = causes()["side_slip"].change(MODEL.motion(), np.array([0.3]), "").drive
+    drive = replace(slip, wheel_radius=(0.0205 * 0.43,) * 2, axle=0.053 * 2.4)
+    log = make_log(table(24, {0: drive}, robots=1, rows=3000), drive=MODEL.motion().drive)
+    with where("skid"):
+        found = diagnose(log, MODEL, None).diagnosis
+    told = {one.term.cause.name: one.values[0] for one in found.named}
+    truth = {"slip": 0.43, "effective_axle": 2.4, "side_slip": 0.3}
+    assert told.keys() == truth.keys()
+    assert all(told[name].low <= value <= told[name].high for name, value in truth.items())
 
 
 def test_circles_do_not_tell_the_axle_from_wheels_of_two_sizes() -> None:

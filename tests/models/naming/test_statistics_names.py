@@ -11,7 +11,6 @@ from realitygap.models.naming.rules import Rules
 from realitygap.models.naming.verdict import _margin
 from tests.models.toys import motion_term
 
-NO_COMMANDS = np.ones((1, 2))
 BLOCKS = 10
 RULES = Rules()
 
@@ -22,7 +21,7 @@ def test_a_95_per_cent_interval_is_as_wide_as_its_covariance_says() -> None:
     held = 0
     for _ in range(2000):
         value = np.array([truth + error * random.normal()])
-        (told,) = values(motion_term("a"), value, np.array([[error**2]]), NO_COMMANDS)
+        (told,) = values(motion_term("a"), value, np.array([[error**2]]))
         held += told.low <= truth <= told.high
         assert told.low < told.value < told.high
     assert held / 2000 == pytest.approx(0.95, abs=0.015)

@@ -79,10 +79,8 @@ def test_any_fit_is_a_value_with_an_interval_around_it(name: str, data: st.DataO
     cause = every_cause()[name]
     size = len(cause.parameters)
     here, error = coordinates(cause, data), [data.draw(ERROR) for _ in range(size)]
-    fastest = data.draw(st.floats(0.0, 1e4))
     covariance = np.diag(np.square(np.minimum(error, 1e150)))
-    commands = np.full((3, 2), fastest)
-    told = values(Term(cause, cause.variants[0]), here, covariance, commands)
+    told = values(Term(cause, cause.variants[0]), here, covariance)
     assert all(one.low <= one.value <= one.high for one in told)
     given = {v.name: ParameterValue(value=v.value, low=v.low, high=v.high) for v in told}
     as_file(cause, cause.variants[0], given)

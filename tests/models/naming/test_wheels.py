@@ -76,7 +76,8 @@ def test_delay_lag_and_limit_are_told_apart_though_each_hides_the_others() -> No
     for name, true in (("command_latency", 0.25), ("motor_lag", 0.5), ("motor_saturation", 4.0)):
         value, low, high = told[name]
         assert value == pytest.approx(true, rel=0.03), name
-        assert low < true * 1.01 and high > true * 0.99, name
+        assert low < true * 1.01, name
+        assert high > true * 0.99, name
 
 
 def test_a_dead_zone_and_a_limit_are_found_as_a_pair() -> None:

@@ -71,7 +71,6 @@ def _values(problem: Problem, fit: Fit, one: ToldValue) -> tuple[Value, ...]:
         term,
         fit.coordinates[0, at] - one.mean,
         fit.covariance[0, at, at],
-        problem.tracks.commands,
     )
 
 

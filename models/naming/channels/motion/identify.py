@@ -186,7 +186,7 @@ def _values(
     commands = state.tracks.only(state.members(scope)).commands
     if term.cause.smooth:
         at = apart.fit.part(term)
-        return values(term, apart.fit.coordinates[0, at], covariance, commands)
+        return values(term, apart.fit.coordinates[0, at], covariance)
     found = list(judged.fit.coordinates)
     fitter = Fitter(weighed, scope)
 

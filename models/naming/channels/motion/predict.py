@@ -9,6 +9,7 @@ import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
+from realitygap.models.gap.around import asked
 from realitygap.models.gap.driven import driven, recorded, wheel_turns
 from realitygap.models.naming.channels.motion.tracks import Rows, Tracks
 
@@ -29,7 +30,7 @@ def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
             cut,
             motion.drive,
             motion.motor_delay + motion.pose_delay,
-            tracks.seen[begin:end] if motion.drive.laws else None,
+            tracks.seen[begin:end] if asked(motion.drive) else None,
             rolling,
         )
         path[begin:end] = recorded(tracks.t[begin:end], path[begin:end], cut, motion)

@@ -52,5 +52,5 @@ def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> AsReco
         if fit is None:
             break
         (found,) = fit.coordinates
-        said = values(term, found, fit.covariance, tracks.commands)
+        said = values(term, found, fit.covariance)
     return AsRecorded(tuple(term.cause.applied(motion, found, ALL) for motion in base), said)

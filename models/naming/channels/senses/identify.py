@@ -12,7 +12,6 @@ from realitygap.models.belief.senses import Belief
 from realitygap.models.log.held_out import PARTS
 from realitygap.models.naming.channels.motion.fitted import Values
 from realitygap.models.naming.channels.senses.robot import LATE, SenseLog, SenseRobot
-from realitygap.models.naming.channels.senses.terms import NO_COMMANDS
 from realitygap.models.naming.engine.differing import differing
 from realitygap.models.naming.engine.fitter import Fitter
 from realitygap.models.naming.engine.gates import Gates
@@ -123,7 +122,7 @@ def _named(state: State, scope: int, judged: Judged, known: Mask) -> list[Named]
         begin = part.stop
         covariance = judged.fit.covariance[part, part]
         evidence = evidence_of(weighed, scope, judged, k, covariance, known)
-        own = values(term, evidence.coordinates, covariance, NO_COMMANDS)
+        own = values(term, evidence.coordinates, covariance)
         shared = scope == SWARM and len(state.robots) >= state.rules.least_swarm
         found.append(
             Named(
@@ -170,6 +169,6 @@ def by_part(found: SensesFound) -> tuple[Values, ...]:
                 told_of = not size or any(_tells(state.robots[k], term) for k in members)
                 if fit is not None and (term, ids) in keys and told_of:
                     here, wide = fit.coordinates[k], fit.covariance[at, at]
-                    told[term, ids] = values(term, here, wide, NO_COMMANDS)
+                    told[term, ids] = values(term, here, wide)
         parts.append(told)
     return tuple(parts)
