@@ -85,7 +85,7 @@ def diagnose(
             seed=seed,
             without=tuple(without),
         )
-        found = _result(request, read, _examined(request, read, rules, begin))
+        found = _result(request, *_examined(request, read, rules, begin))
         if part is not None:
             begin("writing the report")
             found.keep(part)
@@ -94,8 +94,8 @@ def diagnose(
 
 def _examined(
     request: Request, log: Log, rules: Rules, begin: Callable[[str], None]
-) -> WholeExamination:
-    """All that is said about a log."""
+) -> tuple[Log, WholeExamination]:
+    """The log as it was judged, in the frame of the model's arena, and all that is said of it."""
     model, measured, seed = log.model, log.measured, request.seed
     scripted = manoeuvres(measured)
     healthy = _reference(request.reference, model.file, scripted)
@@ -117,12 +117,9 @@ def _examined(
         examined = with_senses(motion, measured, model.tables, senses, seed=seed)
         begin("the next experiment")
         whole = with_proposal(examined, measured, model.tables)
-    said = replace(
-        whole.diagnosis,
-        names=measured.names,
-        preflight=(*whole.diagnosis.preflight, *placed),
-    )
-    return replace(whole, diagnosis=said)
+    told = {entry.name: entry for entry in (*whole.diagnosis.preflight, *placed)}
+    said = replace(whole.diagnosis, names=measured.names, preflight=tuple(told.values()))
+    return replace(log, measured=measured), replace(whole, diagnosis=said)
 
 
 def _result(request: Request, log: Log, examined: WholeExamination) -> DiagnosisResult:
