@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from realitygap import Model
+from realitygap import Model, diagnose
 from tests.helpers import ROOT
 from tests.models.bags import commands, poses, together, write_bag
 from tests.own_robot import own_log
@@ -74,3 +74,12 @@ def test_six_commands_lead_from_a_bag_to_a_repaired_model_and_its_gain(tmp_path:
         assert seen, told
         numbers = [float(one) for one in re.findall(NUMBER, told)]
         assert [float(one) for one in seen.groups()] == pytest.approx(numbers, rel=0.05)
+
+
+def test_a_tracker_that_knows_no_heading_tells_of_the_same_faults() -> None:
+    log = own_log(150.0, seed=4, larger=SMALLER, lag=LAG).drop(columns="yaw").assign(robot=0)
+    found = diagnose(log, model=ROOT / "docs" / "example" / "robot.toml")
+    values = found.causes.set_index("cause")
+    assert set(values.index) == {"wheel_radius_mismatch", "motor_lag"}
+    for cause, true in (("wheel_radius_mismatch", SMALLER), ("motor_lag", LAG)):
+        assert values.loc[cause, "low"] < true < values.loc[cause, "high"]

@@ -23,6 +23,7 @@ from realitygap.models.naming.health.senses import (
     read_sense_reference,
     shipped_sense_reference,
 )
+from realitygap.models.naming.preflight import HEADINGS
 from realitygap.models.naming.proposal.propose import with_proposal
 from realitygap.models.naming.rules import Rules
 from realitygap.models.naming.strangers import without_strangers
@@ -101,7 +102,7 @@ def _examined(
     healthy = _reference(request.reference, model.file, scripted)
     senses = _sense_reference(request.reference, model.file, scripted)
     alike = healthy is not None and healthy.recorded_like(measured.recorder, measured.step)
-    with withholding(request.without):
+    with withholding((*request.without, *(() if measured.headed else HEADINGS))):
         begin("motion")
         measured, placed = in_the_models_frame(
             measured, model.file, model.tables, alike=alike, rules=rules
