@@ -7,12 +7,15 @@ from pathlib import Path
 
 import tomli_w
 
+from realitygap.embedded_sim.errors import InputError
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.log.files import checked
 
 RIM_SPEED = 1.0
 """m/s of a wheel's rim, where nobody says how fast it turns. Our choice: it only tells commands in
 millimetres from those in metres, by a factor of ten more than this."""
+LARGEST = {"wheel_radius": 2.0, "axle": 20.0}
+"""m, of any machine on wheels: a mining lorry's are smaller. More is millimetres."""
 NEW = Path("new model")
 """What it is called in a refusal."""
 
@@ -53,4 +56,8 @@ def new_model(
     lines = [f"{key} = {value}  # {remark}" for key, (value, remark) in values.items()]
     text = f"{tomli_w.dumps({'name': name})}\n[robot]\n" + "\n".join(lines) + "\n"
     checked(ModelFile, tomllib.loads(text), NEW, "a model file")
+    for key, value in {"wheel_radius": wheel_radius, "axle": axle}.items():
+        if value > LARGEST[key]:
+            expected = f"metres, at most {LARGEST[key]:g}: {value:g} mm are {value / 1e3:g} m"
+            raise InputError(f"--{key.replace('_', '-')}", f"{value:g}", expected)
     return text

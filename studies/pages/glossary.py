@@ -25,7 +25,8 @@ def meanings() -> dict[str, str]:
     for words, meaning in ROW.findall(text):
         if words != "word" and "(" not in words and not words.startswith("---"):
             found |= dict.fromkeys(words.split(", "), meaning)
-    return {word: meaning for word, meaning in found.items() if word not in ORDINARY}
+    plain = {word: meaning.replace("`", "") for word, meaning in found.items()}
+    return {word: meaning for word, meaning in plain.items() if word not in ORDINARY}
 
 
 class Words:
