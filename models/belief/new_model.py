@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from pathlib import Path
 
@@ -40,6 +41,10 @@ def new_model(
     Raises:
         InputError: a value is no size of a robot.
     """
+    for key, value in {"wheel_radius": wheel_radius, "axle": axle}.items():
+        if LARGEST[key] < value < math.inf:
+            expected = f"metres, at most {LARGEST[key]:g}: {value:g} mm are {value / 1e3:g} m"
+            raise InputError(f"--{key.replace('_', '-')}", f"{value:g}", expected)
     given = "as given"
     body, about = (body_radius, given)
     if body is None:
@@ -56,8 +61,4 @@ def new_model(
     lines = [f"{key} = {value}  # {remark}" for key, (value, remark) in values.items()]
     text = f"{tomli_w.dumps({'name': name})}\n[robot]\n" + "\n".join(lines) + "\n"
     checked(ModelFile, tomllib.loads(text), NEW, "a model file")
-    for key, value in {"wheel_radius": wheel_radius, "axle": axle}.items():
-        if value > LARGEST[key]:
-            expected = f"metres, at most {LARGEST[key]:g}: {value:g} mm are {value / 1e3:g} m"
-            raise InputError(f"--{key.replace('_', '-')}", f"{value:g}", expected)
     return text
