@@ -13,7 +13,7 @@ from markupsafe import Markup, escape
 
 ROW = re.compile(r"^\| ([^|]+?) \| ([^|]+?) \|", re.MULTILINE)
 """Of the tables: a word, its meaning."""
-ORDINARY = ("bar", "column", "place", "row", "memory", "part")
+ORDINARY = ("bar", "column", "course", "frame", "map", "memory", "part", "place", "row")
 """Words that a page says in their everyday meaning, too."""
 
 
