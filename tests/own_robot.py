@@ -71,7 +71,7 @@ def own_log(
 
 def example() -> dict[str, pd.DataFrame]:
     """The example's logs by name, in its tracker's columns and units."""
-    log = own_log(180.0)
+    log = own_log(100.0)
     heading = np.degrees((log["yaw"] + np.pi) % (2.0 * np.pi) - np.pi)
     table = pd.DataFrame(
         {
@@ -83,7 +83,7 @@ def example() -> dict[str, pd.DataFrame]:
             "w": log["cmd_omega"],
         }
     )
-    early = table["stamp_ms"] < 120_000
+    early = table["stamp_ms"] < 60_000
     return {"log.csv": table[early], "later.csv": table[~early]}
 
 
