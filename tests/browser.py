@@ -110,6 +110,16 @@ class Page:
         path.write_bytes(base64.b64decode(told["data"]))
 
 
+def check_fits(path: Path, scratch: Path) -> None:
+    """A page fits phone and desk, has no fault on its console and asks nobody for anything."""
+    with browser(scratch) as page:
+        for width in WIDTHS:
+            look = page.open(path, width)
+            assert (look["wide"], look["overlaps"], look["broken"]) == (0, 0, 0), width
+        assert page.console == []
+        assert [one for one in page.asked if not one.startswith(("file:", "data:"))] == []
+
+
 @contextmanager
 def browser(scratch: Path) -> Iterator[Page]:
     """A page of a browser of its own, gone after the block."""

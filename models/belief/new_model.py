@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from pathlib import Path
 
 import tomli_w
 
+from realitygap.embedded_sim.errors import InputError
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.log.files import checked
 
 RIM_SPEED = 1.0
 """m/s of a wheel's rim, where nobody says how fast it turns. Our choice: it only tells commands in
 millimetres from those in metres, by a factor of ten more than this."""
+LARGEST = {"wheel_radius": 2.0, "axle": 20.0}
+"""m, of any machine on wheels: a mining lorry's are smaller. More is millimetres."""
 NEW = Path("new model")
 """What it is called in a refusal."""
 
@@ -37,6 +41,10 @@ def new_model(
     Raises:
         InputError: a value is no size of a robot.
     """
+    for key, value in {"wheel_radius": wheel_radius, "axle": axle}.items():
+        if LARGEST[key] < value < math.inf:
+            expected = f"metres, at most {LARGEST[key]:g}: {value:g} mm are {value / 1e3:g} m"
+            raise InputError(f"--{key.replace('_', '-')}", f"{value:g}", expected)
     given = "as given"
     body, about = (body_radius, given)
     if body is None:

@@ -20,6 +20,7 @@ import pyarrow.parquet as pq
 
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.log.course import courses
 from realitygap.models.log.even import evened
 from realitygap.models.log.named import Names, numbered
 from realitygap.models.log.obeyed import disobeyed
@@ -28,7 +29,9 @@ from realitygap.models.log.schema import (
     BODY_COMMANDS,
     ENCODERS,
     KEYS,
+    LS,
     POSE,
+    PS,
     UNITS,
     WHEEL_COMMANDS,
     check_columns,
@@ -73,6 +76,8 @@ class MeasuredLog:
     """Repairs and omissions, counted, in plain words."""
     jitter: float = 0.0
     """s, standard deviation of stamps about even times, which were taken instead."""
+    headed: bool = True
+    """Whether the tracker told headings; else they are courses (`log.course`)."""
     names: Names = field(default_factory=Names)
     """What robots are called; `robot` of the frame and the segments is a number all the same."""
 
@@ -156,7 +161,7 @@ def make_log(
     """
     notes = [f"column {name} is not read" for name in check_columns(list(frame.columns))]
     robots, called = numbered(frame["robot"], known)
-    table = coerce(frame.assign(robot=robots))
+    table = coerce(frame.assign(robot=robots, **({} if "yaw" in frame else {"yaw": np.nan})))
     if "run" not in table:
         table = table.assign(run="run")
     repeated = table.duplicated()
@@ -179,7 +184,12 @@ def make_log(
     if not inside.any():
         raise InputError("log", f"{len(usable)} rows", "at least two moments of one robot")
     step = float(np.median(steps[inside]))
-    commands, poses = wheel_commands(usable, drive), usable[list(POSE)].to_numpy(dtype=np.float64)
+    segment = np.repeat(np.arange(len(segments)), np.diff(start))
+    commands = wheel_commands(usable, drive)
+    headed = bool(usable["yaw"].notna().any())
+    if not headed:
+        usable = _by_course(usable, commands, segment, notes)
+    poses = usable[list(POSE)].to_numpy(dtype=np.float64)
     jitter, even = 0.0, evened(t, poses, commands, start, drive)
     if even is not None:
         jitter = float(np.std(t - even))
@@ -203,7 +213,6 @@ def make_log(
     check_units(t, poses, commands, start, drive=drive, names=names, fastest=fastest)
     breaks |= np.diff(other.astype(np.int8)) != 0
     stretch = np.concatenate([[0], np.cumsum(breaks)])
-    segment = np.repeat(np.arange(len(segments)), np.diff(start))
     again = held(poses, np.any(commands != 0.0, axis=1), segment)
     if again.any():
         notes.append(f"{again.sum()} rows repeat a pose, as slow trackers do: each is used once")
@@ -223,8 +232,25 @@ def make_log(
         recorder=str(frame.attrs.get("recorder", "")),
         notes=(*notes, *track.notes),
         jitter=jitter,
+        headed=headed,
         names=called,
     )
+
+
+def _by_course(
+    table: pd.DataFrame, commands: FloatArray, segment: npt.NDArray[np.int64], notes: list[str]
+) -> pd.DataFrame:
+    """The table with headings taken from where robots go, and a note of how well."""
+    places = table[["x", "y"]].to_numpy(dtype=np.float64)
+    yaw, noise = courses(table["t"].to_numpy(dtype=np.float64), places, commands, segment)
+    if np.isnan(yaw).all():
+        raise InputError("yaw", "nothing", "numbers, or robots that move clearly")
+    notes.append(
+        f"no yaw: taken from where robots go, with noise of {noise:.2g} rad; "
+        f"{np.isnan(yaw).sum()} rows are too slow, or too soon after a reversal; "
+        "where a marker is mounted cannot show, and infrared and light are left out"
+    )
+    return table.assign(yaw=yaw).drop(columns=[name for name in (*PS, *LS) if name in table])
 
 
 def wheel_commands(frame: pd.DataFrame, drive: Drive) -> FloatArray:

@@ -65,7 +65,7 @@ def check_columns(columns: list[str]) -> list[str]:
         raise InputError("columns", f"{twice[0]} twice", "every column once")
     unknown = [name for name in columns if name not in UNITS]
     for name in ("robot", "t", *POSE):
-        if name not in columns:
+        if name not in columns and not (name == "yaw" and not _instead(name, unknown)):
             expected = f"a column {name} ({UNITS[name] or 'whole number'}){_instead(name, unknown)}"
             expected += "; other names and units are for `realitygap import csv`"
             raise InputError("columns", ", ".join(map(str, columns)) or "none", expected)

@@ -23,6 +23,8 @@ from realitygap.models.naming.channels.motion.recording import TRANSIENT
 from realitygap.models.naming.engine.value import Value
 from realitygap.models.naming.health.reference import Reference
 
+HEADINGS = ("tracker_offset", "tracker_yaw_offset")
+"""Causes that only measured headings show: a course is that of the marker itself."""
 RECORDING = {
     "delay": ("s", "by which poses are late, beyond what healthy robots show"),
     "rate": ("1", "by which the poses' clock and the commands' drift apart"),
@@ -277,7 +279,9 @@ def _columns(log: MeasuredLog) -> Iterator[PreflightEntry]:
     apart = [c for c in causes().values() if c.twins and c.separated_by]
     twins = {name for c in apart for name in (c.name, *c.twins)}
     either = "twins are told as either of the two; infrared or light tell clocks from latency"
+    told = ("yaw",) if log.headed else ()
     needs = {
+        "yaw": (told, HEADINGS, "taken from where robots go; not checked"),
         "encoders": (ENCODERS, twins, either),
         "infrared": (PS, {c.name for c in sensed if c.columns[0] in PS}, "not checked"),
         "light": (LS, {c.name for c in sensed if c.columns[0] in LS}, "not checked"),

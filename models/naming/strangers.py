@@ -7,7 +7,7 @@ seen where it should be. What sensors read says nothing of sensors then.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -62,14 +62,15 @@ def without_strangers(
     entries = tuple(_entries(seen, missed, gone=gone))
     if not gone:
         return log, entries
-    kept = log.frame.drop(columns=[name for name in (*PS, *LS) if name in log.frame])
+    there = [name for name in (*PS, *LS) if name in log.frame]
+    kept = log.frame.drop(columns=there)
     why = (
         "infrared sees what is neither wall nor logged robot"
         if (seen or 0.0) > STRANGE
         else "infrared does not see the wall where the model has it"
     )
     note = f"{why}: infrared and light are not judged; robots may be missing, or the model's arena"
-    return replace(log, frame=kept, notes=(*log.notes, note)), entries
+    return replace(log, frame=kept, notes=(*log.notes, note)), (*entries, *_there(there))
 
 
 def _open(poses: FloatArray, model: PointModel) -> npt.NDArray[np.bool_]:
@@ -128,3 +129,18 @@ def _entries(seen: float | None, missed: float | None, *, gone: bool) -> Iterato
             yield replace(entry, follows="silences", why=why, causes=silenced)
         else:
             yield entry
+
+
+def _there(columns: Collection[str]) -> Iterator[PreflightEntry]:
+    """In place of what is said of a log without these columns: it has them all the same."""
+    for kind, names in (("infrared", PS), ("light", LS)):
+        if set(names) & set(columns):
+            silenced = (c.name for c in sense_causes().values() if c.columns[0] in names)
+            yield PreflightEntry(
+                name=kind,
+                meaning=f"whether the log has {kind}",
+                value=True,
+                follows="silences",
+                why="not judged: somebody is not in the log, or the arena is another",
+                causes=tuple(sorted(silenced)),
+            )

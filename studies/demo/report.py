@@ -14,7 +14,7 @@ from realitygap.studies.pages.page import PageTable, Picture, Section, write_pag
 from realitygap.studies.plumbing.rooms import scratch
 from realitygap.studies.replay.watch import watch
 from realitygap.studies.run.altered import MODEL
-from realitygap.studies.run.picture import draw_run
+from realitygap.studies.run.picture import draw_run, items_per_minute
 
 IN_ONE_PICTURE = (
     "Left: how far predictions are off, in fresh runs that nothing was named from. Middle: what "
@@ -38,12 +38,14 @@ WATCH_AFTER = (
 
 def write_report(story: Story, out: Path) -> None:
     """Write report.html, the picture of the first run as demo.png, and replays into a directory."""
-    draw_run(out / "before", story.secret.case, out / "demo.png")
-    _watched(out)
+    hidden, runs = _lamps(story), (out / "before", out / "after")
+    most = max(items_per_minute(run).max() for run in runs)
+    draw_run(runs[0], story.secret.case, out / "demo.png", hidden=hidden, most=most)
+    _watched(out, hidden)
     with scratch() as room:
         main, after = room / "story.png", room / "after.png"
         draw_story(story, main)
-        draw_run(out / "after", story.secret.case, after)
+        draw_run(runs[1], story.secret.case, after, hidden=hidden, most=most)
         write_page(
             out / "report.html",
             "A simulator that learns what it gets wrong",
@@ -69,14 +71,23 @@ def write_report(story: Story, out: Path) -> None:
         )
 
 
-def _watched(out: Path) -> None:
+def _lamps(story: Story) -> list[tuple[float, float]]:
+    """Where lamps were hidden (m); none if something else was."""
+    hidden = story.secret.hidden
+    if hidden.name != "second_lamp":
+        return []
+    return [(float(hidden.values["x"]), float(hidden.values["y"]))]
+
+
+def _watched(out: Path, hidden: list[tuple[float, float]]) -> None:
     """Write what the page links to: the first run of each co-evolution, with its model's ghosts."""
     extended = out / "diagnosis" / MODEL
-    watch(out / "before", out / WATCH_BEFORE[0], title="The swarm before")
+    watch(out / "before", out / WATCH_BEFORE[0], hidden=hidden, title="The swarm before")
     watch(
         out / "after",
         out / WATCH_AFTER[0],
         model=extended if extended.is_file() else None,
+        hidden=hidden,
         title="The swarm after",
     )
 

@@ -24,6 +24,7 @@ from realitygap.models.naming.health.senses import (
     read_sense_reference,
     shipped_sense_reference,
 )
+from realitygap.models.naming.preflight import HEADINGS
 from realitygap.models.naming.proposal.propose import with_proposal
 from realitygap.models.naming.rules import Rules
 from realitygap.models.naming.strangers import without_strangers
@@ -86,7 +87,7 @@ def diagnose(
             seed=seed,
             without=tuple(without),
         )
-        found = _result(request, read, _examined(request, read, rules, begin))
+        found = _result(request, *_examined(request, read, rules, begin))
         if part is not None:
             begin("writing the report")
             found.keep(part)
@@ -95,15 +96,16 @@ def diagnose(
 
 def _examined(
     request: Request, log: Log, rules: Rules, begin: Callable[[str], None]
-) -> WholeExamination:
-    """All that is said about a log."""
+) -> tuple[Log, WholeExamination]:
+    """The log as it was judged, in the frame of the model's arena, and all that is said of it."""
     model, measured, seed = log.model, log.measured, request.seed
     scripted = manoeuvres(measured)
     healthy = _reference(request.reference, model.file, scripted)
     senses = _sense_reference(request.reference, model.file, scripted)
     alike = healthy is not None and healthy.recorded_like(measured.recorder, measured.step)
     robot = model.file.robot
-    with withholding(request.without), where(robot.drive_kind, measured=healthy is not None):
+    hidden = (*request.without, *(() if measured.headed else HEADINGS))
+    with withholding(hidden), where(robot.drive_kind, measured=healthy is not None):
         begin("motion")
         measured, placed = in_the_models_frame(
             measured, model.file, model.tables, alike=alike, rules=rules
@@ -119,12 +121,9 @@ def _examined(
         examined = with_senses(motion, measured, model.tables, senses, seed=seed)
         begin("the next experiment")
         whole = with_proposal(examined, measured, model.tables)
-    said = replace(
-        whole.diagnosis,
-        names=measured.names,
-        preflight=(*whole.diagnosis.preflight, *placed),
-    )
-    return replace(whole, diagnosis=said)
+    told = {entry.name: entry for entry in (*whole.diagnosis.preflight, *placed)}
+    said = replace(whole.diagnosis, names=measured.names, preflight=tuple(told.values()))
+    return replace(log, measured=measured), replace(whole, diagnosis=said)
 
 
 def _result(request: Request, log: Log, examined: WholeExamination) -> DiagnosisResult:

@@ -6,7 +6,7 @@ that the extension was not named from. Logs of robots known to be sound stand be
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ import pandas as pd
 
 from realitygap.embedded_sim.errors import InputError
 from realitygap.models.belief.modelfile import ModelFile
+from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.named import numbered
 from realitygap.models.log.opened import json_values, parsing
 from realitygap.models.log.schema import coerce
@@ -24,6 +25,7 @@ from realitygap.studies.gain.request import GainRequest
 from realitygap.studies.gain.runs import HEALTHY, Given, HeldOut, Recorded, plan
 from realitygap.studies.gain.truth import concerned, hidden_in, told, true_model
 from realitygap.studies.inputs.logs import Source, log_hash, read_logs
+from realitygap.studies.inputs.placed import placed
 from realitygap.studies.run.settings import run_config
 
 ROBOTS = 10
@@ -92,9 +94,12 @@ def _of_logs(request: GainRequest, models: Compared, held: Sequence[Source]) -> 
     known = truths[0] if all(one == truths[0] for one in truths) else None
     true = None if known is None else true_model(models.plain, known)
     judged = _judged(models, known or ())
-    given = _given(held, models, true, judged)
+    logs = _read(held, models)
+    given = _given(held, logs, models, true, judged)
     models.check_robots({int(robot) for task in given for robot in task.table["robot"].unique()})
-    runs = [{"run": one.name} for one in held]
+    runs = [
+        {"run": one.name, "notes": list(log.notes)} for one, log in zip(held, logs, strict=True)
+    ]
     return Chosen((*given,), runs, judged, true is not None)
 
 
@@ -167,6 +172,7 @@ def _notes(run: HeldOut, seen: Sequence[tuple[str, str] | None]) -> dict[str, An
 
 def _given(
     held: Sequence[Source],
+    logs: Sequence[MeasuredLog],
     models: Compared,
     true: ModelFile | None,
     judged: frozenset[int] | None,
@@ -174,7 +180,7 @@ def _given(
     """A lab's runs; robots that nothing was named of are the healthy ones."""
     drive = models.file.nominal_drive
     tasks = []
-    for name, table in _runs(held, models.file):
+    for name, table in _runs(held, logs):
         tasks.append(Given(name, table, models.named(true), models.tables, drive, judged))
         sound = set(table["robot"].unique().tolist()) - (judged or set())
         if judged is not None and sound:
@@ -188,19 +194,23 @@ def _sound(healthy: Sequence[Source], models: Compared) -> list[Given]:
     drive, plain = models.file.nominal_drive, {HEALTHY: models.plain}
     return [
         Given(f"healthy {name}", table, plain, models.tables, drive, None)
-        for name, table in _runs(healthy, models.file)
+        for name, table in _runs(healthy, _read(healthy, models))
     ]
 
 
-def _runs(logs: Sequence[Source], model: ModelFile) -> list[tuple[str, pd.DataFrame]]:
+def _read(logs: Sequence[Source], models: Compared) -> list[MeasuredLog]:
+    """Some logs, each in the frame of the model's arena."""
+    read = (read_logs(one, models.file) for one in logs)
+    return [placed(log, models.plain, models.tables) for log in read]
+
+
+def _runs(
+    sources: Sequence[Source], logs: Sequence[MeasuredLog]
+) -> Iterator[tuple[str, pd.DataFrame]]:
     """Every run of some logs, by name; logs of one name are told apart by their places."""
-    runs = []
-    short = [one.name if one.path is None else one.path.name for one in logs]
-    for number, (one, called) in enumerate(zip(logs, short, strict=True), start=1):
-        table = read_logs(one, model).frame
-        names = table["run"].astype(str)
+    short = [one.name if one.path is None else one.path.name for one in sources]
+    for number, (log, called) in enumerate(zip(logs, short, strict=True), start=1):
+        names = log.frame["run"].astype(str)
         called = f"{number}/{called}" if short.count(called) > 1 else called
-        for name, part in table.groupby(names, sort=False):
-            label = f"{called}/{name}" if names.nunique() > 1 else called
-            runs.append((label, part))
-    return runs
+        for name, part in log.frame.groupby(names, sort=False):
+            yield (f"{called}/{name}" if names.nunique() > 1 else called), part

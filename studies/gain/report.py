@@ -91,11 +91,16 @@ def _food(content: Mapping[str, Any]) -> list[Section]:
 def _runs(content: Mapping[str, Any]) -> Section:
     """The held-out runs."""
     held = content["held_out"]
-    who = "all robots" if held["robots"] == "all" else f"robots {held['robots']}"
+    robots = held["robots"]
+    who = "all robots" if robots == "all" else f"robots {', '.join(map(str, robots))}"
+    runs = [
+        one | {"notes": "; ".join(one["notes"]) or None} if "notes" in one else one
+        for one in held["runs"]
+    ]
     return Section(
         "The held-out runs",
         [f"Nothing was named from them; judged: {who}."],
-        tables=[PageTable.of(pd.DataFrame(held["runs"]))],
+        tables=[PageTable.of(pd.DataFrame(runs))],
     )
 
 

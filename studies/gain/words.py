@@ -66,7 +66,7 @@ def told(one: Mapping[str, Any]) -> str:
 
 
 def summary(content: Mapping[str, Any]) -> list[str]:
-    """At most six lines: what was gained, what remains, what is not known."""
+    """What was gained, what remains, what is not known, how logs were read."""
     found = reduced(content)
     first = [one for one in found if one["horizon"] in ("1 s", None)]
     lines = [told(one) for one in (first or found)[:3]]
@@ -85,6 +85,11 @@ def summary(content: Mapping[str, Any]) -> list[str]:
         lines.append(f"What remains, most of it in {worst['channel']}{ahead}: {beyond} too much.")
     if not content["oracle"]:
         lines.append(NO_ORACLE)
+    lines += [
+        f"{run['run']}: {note}."
+        for run in content["held_out"]["runs"]
+        for note in run.get("notes", ())
+    ]
     if content["transfer"] is not None:
         lines += food_lines(content["transfer"])
     return lines

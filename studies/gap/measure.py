@@ -21,6 +21,7 @@ from realitygap.studies.gap.report import SCHEMA, Tidy, describe, tidy_tables
 from realitygap.studies.gap.words import fitness_line
 from realitygap.studies.inputs.logs import AnyLog, Log, as_log
 from realitygap.studies.inputs.model import AnyModel, Model
+from realitygap.studies.inputs.placed import placed
 from realitygap.studies.pages.notebook import Telling, new_axes
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.progress import unseen
@@ -195,7 +196,8 @@ def _of_log(
     """Of a log, and of the fitness of its run's generations where it has any."""
     begin("reading the log")
     read = as_log(log, model)
-    measured, believed = read.measured, read.model
+    believed = read.model
+    measured = placed(read.measured, believed.file, believed.tables)
     inputs = [*(one.entry("LOG") for one in read.sources), *inputs, *believed.entries()]
     begin("replaying it and judging what is left")
     found = replayed.measure_gap(

@@ -121,7 +121,8 @@ class Log:
     @property
     def table(self) -> pd.DataFrame:
         """One row per moment of a robot, in SI units: the columns of the measured log."""
-        return self.measured.frame.assign(robot=self.measured.robots)
+        guessed = [] if self.measured.headed else ["yaw"]
+        return self.measured.frame.drop(columns=guessed).assign(robot=self.measured.robots)
 
     @property
     def robots(self) -> tuple[int | str, ...]:
@@ -290,7 +291,7 @@ def checked_out(out: Path) -> Path:
 
 def _is_log(path: Path) -> bool:
     try:
-        return {"run", "robot", "t", "x", "y", "yaw"} <= set(read_table(path).columns)
+        return {"run", "robot", "t", "x", "y"} <= set(read_table(path).columns)
     except InputError:
         return False
 

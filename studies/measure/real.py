@@ -1,10 +1,10 @@
 """Real robots' logs: what is named, and how well later runs are predicted beside rivals.
 
 Every data set is cut in two by time. From the earlier runs come a diagnosis, its extended model
-and all rivals; the later runs judge them. Rivals are what a laboratory would do otherwise: least squares
-on wheels and axle (as UMBmark corrects them), all terms of the point model free at once, and trees
-that learn the minimal model's error from the commands, which are no model of a robot but say how
-much could be predicted at all.
+and all rivals; the later runs judge them. Rivals are what a laboratory would do otherwise: least
+squares on wheels and axle (as UMBmark corrects them), all terms of the point model free at once,
+and trees that learn the minimal model's error from the commands: they are no model of a robot, but
+say how much could be predicted at all.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def data_folder(given: Path | None) -> Path:
 
 
 def in_time(frame: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The earlier and the later half: of the runs in their order, or of the time of a single one."""
+    """The earlier and the later half: of the runs in their order, or of a single one's time."""
     if "run" not in frame or frame["run"].nunique() < 2:
         middle = 0.5 * (frame["t"].min() + frame["t"].max())
         early = frame["t"] < middle

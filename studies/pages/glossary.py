@@ -13,7 +13,7 @@ from markupsafe import Markup, escape
 
 ROW = re.compile(r"^\| ([^|]+?) \| ([^|]+?) \|", re.MULTILINE)
 """Of the tables: a word, its meaning."""
-ORDINARY = ("bar", "column", "place", "row", "memory", "part")
+ORDINARY = ("bar", "column", "course", "frame", "map", "memory", "part", "place", "row")
 """Words that a page says in their everyday meaning, too."""
 
 
@@ -25,7 +25,8 @@ def meanings() -> dict[str, str]:
     for words, meaning in ROW.findall(text):
         if words != "word" and "(" not in words and not words.startswith("---"):
             found |= dict.fromkeys(words.split(", "), meaning)
-    return {word: meaning for word, meaning in found.items() if word not in ORDINARY}
+    plain = {word: meaning.replace("`", "") for word, meaning in found.items()}
+    return {word: meaning for word, meaning in plain.items() if word not in ORDINARY}
 
 
 class Words:

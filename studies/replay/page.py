@@ -16,7 +16,12 @@ from realitygap.studies.replay.sight import reach
 
 
 def write_player(
-    path: Path, log: Log, scenes: Sequence[Scene], restart: float, title: str, notes: Sequence[str]
+    path: Path,
+    log: Log,
+    scenes: Sequence[Scene],
+    restart: float,
+    title: str,
+    hidden: Sequence[tuple[float, float]] = (),
 ) -> None:
     """Write the page.
 
@@ -26,7 +31,7 @@ def write_player(
         scenes: Of the log.
         restart: s after which the ghosts begin anew.
         title: Of the page.
-        notes: What is said of the log.
+        hidden: Places (m) of lamps that the model does not know.
     """
     environment = Environment(
         loader=PackageLoader("realitygap.studies.replay", "."),
@@ -38,8 +43,8 @@ def write_player(
     page = environment.get_template("replay.html.j2").render(
         title=title,
         lead=f"{log.size}; ghosts follow the model {log.model.name}.",
-        notes=notes,
-        about=_about(log, scenes, restart),
+        notes=log.notes,
+        about=_about(log, scenes, restart) | {"hidden": list(hidden)},
     )
     path.write_text(page, encoding="utf-8")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,7 @@ def watch(
     format: str | None = None,
     model: AnyModel = None,
     restart: float = RESTART,
+    hidden: Sequence[tuple[float, float]] = (),
     title: str | None = None,
     force: bool = False,
     begin: Callable[[str], None] = unseen,
@@ -48,6 +49,7 @@ def watch(
         format: html, rerun, mp4 or gif; by the ending of `out` if absent.
         model: What the ghosts follow; that of the log, or the e-puck, if absent.
         restart: s after which a ghost begins anew at the measured pose.
+        hidden: Places (m) of lamps that the model does not know; a page draws them dashed.
         title: Of the page; names the log if absent.
         force: Replace a file that is there.
         begin: Called with the name of each stage.
@@ -76,7 +78,7 @@ def watch(
         begin(f"writing {path.name}")
         named = title or f"Replay of {', '.join(one.name for one in read.sources)}"
         if kind == "html":
-            write_player(part, read, seen, restart, named, read.notes)
+            write_player(part, read, seen, restart, named, hidden)
         elif kind == "rerun":
             write_recording(part, read, seen)
         else:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 from matplotlib.patches import Circle
 
@@ -21,28 +23,46 @@ TRACK_SECONDS = 60.0
 """s of tracks drawn, from the end of the run: more is a tangle."""
 
 
-def draw_run(run: Path, case: Case, picture: Path) -> None:
+def draw_run(
+    run: Path,
+    case: Case,
+    picture: Path,
+    *,
+    hidden: Sequence[tuple[float, float]] = (),
+    most: float | None = None,
+) -> None:
     """Draw a finished run directory.
 
     Args:
         run: Directory with samples, deposits and generations.
         case: The run's case.
         picture: PNG to write.
+        hidden: Places (m) of lamps that the robots' simulators did not know.
+        most: Items per minute that the axis of food goes to; as many as there are if absent.
     """
     samples = pd.read_parquet(run / "samples.parquet", columns=["robot", "t", "x", "y"])
-    deposits = pd.read_parquet(run / "deposits.parquet")
     generations = pd.read_parquet(run / "generations.parquet")
     with themed():
         figure = canvas(15, 5)
         arena, food, belief = figure.subplots(1, 3)
-        draw_arena(arena, samples, case)
-        _food(food, deposits, float(samples["t"].max()) / 60.0)
+        draw_arena(arena, samples, case, hidden)
+        _food(food, items_per_minute(run), most)
         _belief(belief, generations)
         save(figure, picture)
 
 
-def draw_arena(axes: Any, samples: pd.DataFrame, case: Case) -> None:
-    """Tracks over the arena, nest and lamp."""
+def items_per_minute(run: Path) -> npt.NDArray[np.int64]:
+    """(minutes,) items that a run brought to the nest, by minute."""
+    times = pd.read_parquet(run / "samples.parquet", columns=["t"])["t"]
+    edges = np.arange(np.ceil(float(times.max()) / 60.0) + 1.0)
+    deposits = pd.read_parquet(run / "deposits.parquet", columns=["t"])["t"]
+    return np.histogram(deposits / 60.0, bins=edges)[0]
+
+
+def draw_arena(
+    axes: Any, samples: pd.DataFrame, case: Case, hidden: Sequence[tuple[float, float]] = ()
+) -> None:
+    """Tracks over the arena, nest and lamps."""
     end = samples["t"].max()
     for _, track in samples[samples["t"] > end - TRACK_SECONDS].groupby("robot"):
         axes.plot(track["x"], track["y"], linewidth=0.8, alpha=0.8)
@@ -52,6 +72,11 @@ def draw_arena(axes: Any, samples: pd.DataFrame, case: Case) -> None:
     if lamp is not None:
         axes.plot(*lamp, marker="*", markersize=22, color="gold", markeredgecolor="black")
         axes.annotate("lamp", lamp, textcoords="offset points", xytext=(2, 14))
+    for place in hidden:
+        axes.plot(*place, marker="*", markersize=22, color="none", markeredgecolor="#c0392b")
+        axes.annotate(
+            "hidden", place, textcoords="offset points", xytext=(-16, -24), color="#c0392b"
+        )
     axes.annotate("nest", (k.NEST[0], k.NEST[1] + 0.13), ha="center", color="#2f6b41")
     axes.set(
         aspect="equal",
@@ -63,11 +88,10 @@ def draw_arena(axes: Any, samples: pd.DataFrame, case: Case) -> None:
     )
 
 
-def _food(axes: Any, deposits: pd.DataFrame, minutes: float) -> None:
+def _food(axes: Any, counts: npt.NDArray[np.int64], most: float | None) -> None:
     """Items brought to the nest, by minute."""
-    edges = np.arange(np.ceil(minutes) + 1.0)
-    counts, _ = np.histogram(deposits["t"] / 60.0, bins=edges)
-    axes.bar(edges[:-1] + 0.5, counts, width=0.9, color="#55a868")
+    axes.bar(np.arange(len(counts)) + 0.5, counts, width=0.9, color="#55a868")
+    axes.set_ylim(0.0, 1.05 * max(counts.max() if most is None else most, 1.0))
     axes.set(xlabel="time (min)", ylabel="items per minute", title="Food brought to the nest")
 
 

@@ -26,6 +26,7 @@ from realitygap.studies.blind.trials import Hidden, Trial, blind_config, plan
 from realitygap.studies.hidden.menu import MENU
 from realitygap.studies.plumbing.execution import Workers
 from realitygap.studies.run.experiment import RunConfig
+from tests.browser import CHROMIUM, check_fits
 
 STUB = partial(diagnose, command=(sys.executable, str(Path(__file__).with_name("stub.py"))))
 SMALL = {"effects": ("ls_dead_sensor", "command_latency"), "robots": 3, "seconds": (2.0,)}
@@ -269,6 +270,11 @@ def test_a_battery_scores_what_a_process_with_the_log_alone_answered(
     page = (out / "report.html").read_text()
     assert "data:image/png;base64" in page
     assert "http" not in re.sub(r"http-equiv", "", page)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+def test_the_page_fits_phone_and_desk(battery: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
+    check_fits(battery[0] / "report.html", tmp_path)
 
 
 def test_nothing_in_the_log_tells_what_was_hidden(tmp_path: Path) -> None:

@@ -35,6 +35,7 @@ from realitygap.studies.blind.conditions.scores import (
 from realitygap.studies.cli import app
 from realitygap.studies.plumbing.execution import Workers
 from tests.blind.stub import ask_stub
+from tests.browser import CHROMIUM, check_fits
 from tests.helpers import ROOT
 
 STUBBED = ("as-recorded", "row-of-2", "robots-2", "no-sensors")
@@ -291,7 +292,9 @@ def answers_in(out: Path) -> dict[str, Any]:
     }
 
 
-def test_a_matrix_writes_its_tables_and_its_page(small: tuple[Path, dict[str, Any]]) -> None:
+def test_a_matrix_writes_its_tables_and_its_page(
+    small: tuple[Path, dict[str, Any]], tmp_path: Path
+) -> None:
     out, content = small
     assert json.loads((out / "conditions.json").read_text()) == content
     assert len(content["cells"]) == len(pd.read_csv(out / "cells.csv")) == 4 * len(STUBBED)
@@ -302,7 +305,11 @@ def test_a_matrix_writes_its_tables_and_its_page(small: tuple[Path, dict[str, An
     text = (out / "conditions.md").read_text()
     assert text.startswith(f"# {TITLE}\n\n{MARK}\n")
     assert "--trials 1 --seed 2 --only as-recorded" in text
-    assert TITLE in (out / "report.html").read_text()
+    page = (out / "report.html").read_text()
+    assert TITLE in page
+    assert "`" not in re.sub(r"<style>.*?</style>", "", page, flags=re.DOTALL)
+    if CHROMIUM is not None:
+        check_fits(out / "report.html", tmp_path)
 
 
 def test_a_resumed_matrix_repeats_nothing_and_may_grow(

@@ -17,6 +17,7 @@ from realitygap.studies.hidden.menu import MENU
 from realitygap.studies.plumbing.execution import Workers
 from realitygap.studies.plumbing.provenance import write_json
 from realitygap.studies.run.experiment import RunConfig
+from tests.browser import CHROMIUM, check_fits
 
 SEEDS = range(200)
 
@@ -68,7 +69,13 @@ def test_the_whole_story_in_short(tmp_path: Path, capfd: pytest.CaptureFixture[s
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     for name in ("replay-before.html", "replay-after.html"):
         assert f'<a href="{name}">' in page
-        assert "The swarm" in (tmp_path / name).read_text(encoding="utf-8")
+        played = (tmp_path / name).read_text(encoding="utf-8")
+        assert "The swarm" in played
+        lamp = draw(0).hidden.values
+        assert f'"hidden": [[{lamp["x"]}, {lamp["y"]}]]' in played
+    if CHROMIUM is not None:
+        for name in ("report.html", "replay-before.html"):
+            check_fits(tmp_path / name, tmp_path / name.removesuffix(".html"))
     assert not list(tmp_path.rglob("truth.json"))  # nothing but the seal holds what was hidden
     found = json.loads((tmp_path / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8"))
     entries = {one["name"]: one["value"] for one in found["log"]["preflight"]}

@@ -6,9 +6,13 @@ import re
 import shlex
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
+from PIL import Image
 
 from tests.helpers import ROOT, realitygap
+from tests.own_robot import example
 
 
 def blocks(document: str, language: str) -> list[str]:
@@ -18,13 +22,17 @@ def blocks(document: str, language: str) -> list[str]:
 
 @pytest.mark.parametrize(
     ("document", "number"),
-    [("README.md", 5), pytest.param("docs/experiment.md", 5, marks=pytest.mark.slow)],
+    [
+        ("README.md", 5),
+        pytest.param("docs/experiment.md", 5, marks=pytest.mark.slow),
+        pytest.param("docs/replay.md", 2, marks=pytest.mark.slow),
+    ],
 )
 def test_every_realitygap_command_works(tmp_path: Path, document: str, number: int) -> None:
     """In order, in a directory of its own, with the paths that the document uses."""
     (tmp_path / "docs").symlink_to(ROOT / "docs")
     ran = 0
-    for line in "\n".join(blocks(document, "sh")).splitlines():
+    for line in "\n".join(blocks(document, "sh")).replace("\\\n", " ").splitlines():
         words = shlex.split(line, comments=True)
         if words and words[0].endswith("realitygap"):
             done = realitygap(*words[1:], cwd=tmp_path)
@@ -33,12 +41,23 @@ def test_every_realitygap_command_works(tmp_path: Path, document: str, number: i
     assert ran >= number
 
 
-def test_the_readme_is_short_and_begins_with_a_picture() -> None:
+def test_the_readme_is_short_and_begins_with_a_picture_that_moves() -> None:
     lines = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
     assert len(lines) < 120
     assert lines[0] == "# realitygap"
     first = next(line for line in lines if line.startswith("!["))
     assert lines.index(first) < 10
+    film = ROOT / first[first.index("(") + 1 : -1]
+    assert film.stat().st_size < 1.5e6
+    with Image.open(film) as pictures:
+        assert getattr(pictures, "n_frames", 1) >= 100
+
+
+def test_the_example_is_what_the_robot_of_the_tests_drives() -> None:
+    for name, table in example().items():
+        read = pd.read_csv(ROOT / "docs" / "example" / name)
+        assert list(read.columns) == list(table.columns)
+        assert np.allclose(read, table, atol=0.011)
 
 
 def test_the_first_experiments_python_works_on_what_its_commands_wrote(tmp_path: Path) -> None:
@@ -71,7 +90,7 @@ def test_the_readmes_lines_for_a_notebook_work(
     (code,) = blocks("README.md", "python")
     exec(compile(code, "README.md", "exec"), {})
     said = capsys.readouterr().out
-    assert "Diagnosis: " in said
+    assert "Diagnosis: named" in said
     assert "wheel_radius_mismatch" in said
     assert "Gain\n" in said
     assert (beside_docs / "out" / "mine-notebook" / "report.html").is_file()

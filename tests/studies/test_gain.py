@@ -171,7 +171,8 @@ def test_a_lab_measures_on_runs_that_nothing_was_named_from(tmp_path: Path) -> N
     first, later, extended = in_a_lab(tmp_path, ratio(1.0609))
     found = gain([first, later], extended, jobs=1)
     content = found.content
-    assert content["held_out"] == {"source": "logs", "runs": [{"run": str(later)}], "robots": [1]}
+    runs = [{"run": str(later), "notes": []}]
+    assert content["held_out"] == {"source": "logs", "runs": runs, "robots": [1]}
     assert content["healthy"] == "other robots"
     assert content["oracle"] is False
     read = [(one["option"], one["file"]) for one in content["inputs"]]

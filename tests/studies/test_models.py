@@ -34,6 +34,12 @@ def test_what_is_given_is_kept():
     }
 
 
+@pytest.mark.parametrize(("key", "value"), [("wheel_radius", 33.0), ("axle", 160.0)])
+def test_millimetres_are_not_taken_for_metres(key: str, value: float) -> None:
+    with pytest.raises(rg.InputError, match=f"{value:g} mm are {value / 1e3:g} m"):
+        rg.new_model(**{"wheel_radius": 0.03, "axle": 0.2, key: value})
+
+
 @pytest.mark.parametrize(
     ("changed", "said"),
     [

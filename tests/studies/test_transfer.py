@@ -31,6 +31,7 @@ from realitygap.studies.transfer.plan import (
 )
 from realitygap.studies.transfer.study import run_transfer
 from realitygap.studies.transfer.words import reason
+from tests.browser import CHROMIUM, check_fits
 from tests.helpers import page_text, realitygap
 
 WINDOW = "second_lamp:x=0.6,y=0,intensity=2"
@@ -201,6 +202,8 @@ def test_a_tiny_study_runs_resumes_and_reports(
     assert said in page
     assert "data:image/png;base64," in page
     assert "http://" not in page.replace("http://www.w3.org", "")
+    if CHROMIUM is not None:
+        check_fits(out / "report.html", tmp_path)
     runs = pd.read_csv(out / "runs.csv")
     by = runs.set_index(["model", "index"])["food"]
     assert by["extended"].tolist() == by["oracle"].tolist()  # the given model is the true one

@@ -19,6 +19,7 @@ import tomli_w
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.embedded_sim.errors import LONGEST_NAME, shown
 from realitygap.models.log.agreement import STEPS, Driven, disagreement
+from realitygap.models.log.course import courses
 from realitygap.models.log.files import checked
 from realitygap.models.log.formats.headers import Header, understood
 from realitygap.models.log.formats.mapped import Map, by_map
@@ -105,7 +106,6 @@ def _columns(raw: pd.DataFrame, path: Path, *, poses: bool) -> dict[str, tuple[s
     if len(raw.columns) and all(_NUMBER.fullmatch(str(header)) for header in raw.columns):
         raise InputError(path.name, "numbers in the first line", "the names of the columns there")
     missing = [name for name in needed if name not in found]
-    missing += [] if "yaw" in found or whole or not poses else ["yaw"]
     if not any(set(pair) <= set(found) for pair in (WHEEL_COMMANDS, BODY_COMMANDS)):
         missing.append("commands")
     if missing:
@@ -232,7 +232,11 @@ def _off(
         return 1.0
     new = (table[["run", "robot"]] != table[["run", "robot"]].shift()).any(axis=1).to_numpy()
     start = np.append(np.flatnonzero(new), len(table)).astype(np.int64)
-    t, poses = table["t"].to_numpy(dtype=float), table[list(POSE)].to_numpy(dtype=float)
+    t = table["t"].to_numpy(dtype=float)
+    if "yaw" not in table:
+        places = table[["x", "y"]].to_numpy(dtype=float)
+        table = table.assign(yaw=courses(t, places, commands, np.cumsum(new))[0])
+    poses = table[list(POSE)].to_numpy(dtype=float)
     if (np.diff(t)[~new[1:]] <= 0).any():
         return 1.0  # the log's own reader says what is wrong with its time
     rows = Driven(t, np.ascontiguousarray(poses), commands, start, drive)

@@ -45,8 +45,9 @@ def merged(streams: Sequence[pd.DataFrame], field: str) -> pd.DataFrame:
     pair = next((p for p in (WHEEL_COMMANDS, BODY_COMMANDS) if _with(streams, p)), None)
     if pair is None:
         raise InputError(field, "no pair of commands", "cmd_left, cmd_right or cmd_v, cmd_omega")
-    if not _with(streams, POSE):
-        raise InputError(field, "no pose", "x, y and yaw")
+    headless = not any("yaw" in one for one in streams)
+    if not _with(streams, POSE[:2] if headless else POSE):
+        raise InputError(field, "no pose", "x, y and yaw, or x and y alone")
     parts = []
     for keys, own in _robots(streams):
         table = _of_robot(own, pair)
@@ -100,12 +101,13 @@ def _only(stream: pd.DataFrame, keys: dict[str, Any]) -> pd.DataFrame:
 def _of_robot(streams: Sequence[pd.DataFrame], pair: tuple[str, ...]) -> pd.DataFrame | None:
     """One robot's rows; None: it was never told or never seen."""
     told_in = next(one for one in streams if set(pair) <= set(one))
-    seen_in = next(one for one in streams if set(POSE) <= set(one))
-    told, seen = latest(*series(told_in, "t", list(pair))), latest(*series(seen_in, "t", [*POSE]))
+    pose = [name for name in POSE if any(name in one for one in streams)]
+    seen_in = next(one for one in streams if set(pose) <= set(one))
+    told, seen = latest(*series(told_in, "t", list(pair))), latest(*series(seen_in, "t", pose))
     if len(told[0]) < 2 or len(seen[0]) < 2:
         return None
     t, held, at = join(told[0], told[1], seen[0], seen[1])
-    columns: dict[str, Any] = {"t": t, **dict(zip(POSE, at.T, strict=True))}
+    columns: dict[str, Any] = {"t": t, **dict(zip(pose, at.T, strict=True))}
     columns |= dict(zip(pair, held.T, strict=True))
     for one in streams:
         angles = {angle: name for name, angle in ANGLES.items()}

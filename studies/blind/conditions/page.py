@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from textwrap import shorten
 from typing import Any
@@ -73,11 +74,17 @@ def write_pages(out: Path, content: Mapping[str, Any], logs: pd.DataFrame) -> No
     if len(bad := failures(logs)):
         sections.insert(2, Section("Every log to look at", tables=[PageTable.of(bad)]))
     lead = _lead(content["summary"])
+    plain = [replace(one, texts=[_unmarked(text) for text in one.texts]) for one in sections]
     with whole_file(out / "report.html", force=True) as part:
-        write_page(part, TITLE, lead, sections)
+        write_page(part, TITLE, lead, plain)
     with whole_file(out / "conditions.md", force=True) as part:
         text = f"# {TITLE}\n\n{MARK}\n\n{lead}\n\n{markdown(sections)}"
         part.write_text(text, encoding="utf-8")
+
+
+def _unmarked(text: str) -> str:
+    """A text without what Markdown marks words by."""
+    return text.replace("`", "").replace("*", "")
 
 
 def matrix(cells: Sequence[Mapping[str, Any]]) -> pd.DataFrame:

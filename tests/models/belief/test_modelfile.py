@@ -48,7 +48,13 @@ def test_the_shipped_geometries_are_the_published_ones():
     axles = {name: load_model(name, sensors="ignored").drive.axle for name in SHIPPED}
     assert axles == {
         **{"epuck": 0.053, "optiodom": 0.2, "create": 0.258, "khepera3": 0.0885},
-        **{"epuck2": 0.053, "thymio2": 0.094, "pioneer3dx": 0.33, "husky": 0.5708},
+        **{
+            "epuck2": 0.053,
+            "thymio2": 0.094,
+            "alphabot2": 0.085,
+            "pioneer3dx": 0.33,
+            "husky": 0.5708,
+        },
         **{"turtlebot3_burger": 0.16, "turtlebot3_waffle": 0.287, "warthog": 1.08},
         **{"turtlebot4": 0.233, "create3": 0.233},
     }

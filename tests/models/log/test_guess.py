@@ -112,7 +112,7 @@ def test_millimetres_throughout_are_told_by_what_the_robot_can_do():
 
 @pytest.mark.parametrize(
     ("dropped", "said"),
-    [("t", "looks like t among"), ("x", "like x "), ("yaw", "like yaw "), ("cmd_left", "commands")],
+    [("t", "looks like t among"), ("x", "like x "), ("cmd_left", "commands")],
 )
 def test_what_is_missing_is_named_with_what_is_there(dropped, said):
     with pytest.raises(InputError) as caught:
@@ -120,6 +120,14 @@ def test_what_is_missing_is_named_with_what_is_there(dropped, said):
     assert said in str(caught.value)
     assert "--map" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1.0, "m"), (1e3, "mm")])
+def test_units_of_positions_without_a_heading_are_told_by_where_robots_go(factor, unit):
+    raw = FRAME.drop(columns="yaw").assign(x=factor * FRAME["x"], y=factor * FRAME["y"])
+    columns = tomllib.loads(guess(raw, Path("lab.csv"), drive=DRIVE))["columns"]
+    assert "yaw" not in columns
+    assert columns["x"]["unit"] == unit
 
 
 def test_a_table_without_names_is_told_what_it_lacks():

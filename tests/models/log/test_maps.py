@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.models.log.formats.mapped import read_map, read_mapped
 from realitygap.models.log.formats.units import heading
+from realitygap.models.log.frames import wrapped
 from realitygap.models.log.measured import make_log
 from tests.models.small import driven_log
 
@@ -245,7 +246,10 @@ def test_a_wrong_map_is_refused_in_one_line(tmp_path, line, says):
     assert "\n" not in str(caught.value)
 
 
-def test_positions_without_a_heading_are_refused_by_name(tmp_path):
+def test_positions_without_a_heading_are_read(tmp_path):
     table = read(tmp_path, FRAME, {k: v for k, v in PLAIN.items() if k != "yaw"})
-    with pytest.raises(InputError, match="a column yaw"):
-        make_log(table, drive=DRIVE)
+    log = make_log(table, drive=DRIVE)
+    known = log.tracked
+    off = np.abs(wrapped(log.poses[known, 2] - FRAME["yaw"].to_numpy()[known]))
+    assert known.mean() > 0.3
+    assert np.quantile(off, 0.9) < 0.05

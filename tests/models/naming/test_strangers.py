@@ -43,7 +43,7 @@ def test_a_log_of_all_robots_is_left_as_it_is() -> None:
 def test_what_most_robots_see_and_nobody_logged_silences_infrared_and_light() -> None:
     found, follows = asked(seeing(frame(), (0, 1, 2)))
     assert not set(found.frame.columns) & {*PS, *LS}
-    assert follows["strangers"] == "silences"
+    assert follows["strangers"] == follows["infrared"] == follows["light"] == "silences"
     assert any("infrared sees what is neither" in note for note in found.notes)
 
 
@@ -70,6 +70,15 @@ def test_a_wall_that_is_not_where_the_model_has_it_silences_them_too() -> None:
     found, follows = asked(frame(), small)
     assert not set(found.frame.columns) & set(PS)
     assert follows["wall_missed"] == "silences"
+
+
+def test_a_log_whose_senses_are_silenced_is_not_said_to_lack_them() -> None:
+    log = make_log(seeing(frame(), (0, 1, 2)).drop(columns=list(LS)), drive=Drive())
+    told = {one.name: one for one in without_strangers(log, MODEL)[1]}
+    assert told["infrared"].value is True
+    assert "not judged" in told["infrared"].why
+    assert "ir_gain" in told["infrared"].causes
+    assert "light" not in told
 
 
 def test_without_infrared_nothing_is_said() -> None:
