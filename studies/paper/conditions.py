@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zlib
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
@@ -61,10 +62,15 @@ MIXTURE = (
         *("fixed-mixture", "Fixed mixture", "light-at-nest", "half-to-and-fro"),
         paired_with="fixed-positive",
     ),
+    Condition(
+        *("fixed-mixture-7-3", "Fixed mixture 7:3", "light-at-nest", "most-to-and-fro"),
+        paired_with="fixed-positive",
+    ),
 )
 """With light at the nest mostly two controllers evolve, that of `fixed-positive` and `to-and-fro`:
-the second alone, and half of each, on the seeds of the first alone. Not the
-paper's: they ask why co-evolution collects more than the fixed positive controller."""
+the second alone, half of each, and seven of the second with three of the first, on the seeds of the
+first alone. Not the paper's: they ask why co-evolution collects more than the fixed positive
+controller."""
 
 STUDIED = (*PAPER, *MIXTURE)
 COEVOLVED = PAPER[:5]
@@ -78,6 +84,9 @@ class StudyConfig(BaseModel):
 
     study: StudyName = "paper"
     runs: Annotated[int, Field(ge=1, le=10_000)] = 10
+    """Of each condition; until decided, of a batch."""
+    until_decided: bool = False
+    """Batches are added to conditions whose claims are open."""
     minutes: Minutes = 60.0
     robots: Robots = 10
     seed: Seed = 0
@@ -125,8 +134,16 @@ def run_seed(study_seed: int, condition: str, index: int) -> int:
     return int(sequence.generate_state(1, np.uint32)[0])
 
 
-def plan(study: StudyConfig, conditions: tuple[Condition, ...]) -> tuple[PlannedRun, ...]:
-    """All runs of a study, by condition and index."""
+def plan(
+    study: StudyConfig, conditions: Iterable[Condition], runs: Mapping[str, int] | None = None
+) -> tuple[PlannedRun, ...]:
+    """All runs of a study, by condition and index.
+
+    Args:
+        study: What is run.
+        conditions: Under which.
+        runs: Of each condition, by key; the study's `runs` if absent.
+    """
     return tuple(
         PlannedRun(
             name=f"{condition.key}-{index:02d}",
@@ -136,18 +153,17 @@ def plan(study: StudyConfig, conditions: tuple[Condition, ...]) -> tuple[Planned
                 case=condition.case,
                 controller=condition.controller,
                 minutes=study.minutes,
-                robots=study.robots,
                 seed=run_seed(study.seed, condition.paired_with or condition.key, index),
                 samples=False,
                 model=study.model,
                 engine=study.engine,
                 rays=study.rays,
-                **condition.changes,
+                **{"robots": study.robots, **condition.changes},
             ),
             model_hash=study.model_hash,
         )
         for condition in conditions
-        for index in range(study.runs)
+        for index in range(study.runs if runs is None else runs[condition.key])
     )
 
 

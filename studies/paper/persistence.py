@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from realitygap.studies.paper.statistics import Array
-from realitygap.studies.paper.tables import StudyTables
+from realitygap.studies.paper.tables import Array, StudyTables
 
 BEFORE = 10
 """Minutes before the lamp moves whose mean is the level to fall from; our choice."""
@@ -32,13 +31,23 @@ def half_life(curves: Array, switch: int) -> float:
         switch: The first minute of the new world.
 
     Returns:
-        The minutes, the time left if it never gets there, NaN if there was nothing to fall.
+        The minutes, between two by a straight line, the time left if it never gets there, NaN if
+        there was nothing to fall.
     """
+    if switch < 1:
+        return float("nan")
     mean = curves.mean(axis=0)
     held = float(mean[max(0, switch - BEFORE) : switch].mean())
     left = float(mean[switch + (len(mean) - switch) // 2 :].mean())
-    if held <= left:
+    if not held > left:
         return float("nan")
+    middle = (held + left) / 2.0
     smooth = np.convolve(np.pad(mean, SMOOTH // 2, mode="edge"), np.ones(SMOOTH) / SMOOTH, "valid")
-    fallen = np.flatnonzero(smooth[switch:] <= (held + left) / 2.0)
-    return float(fallen[0]) if fallen.size else float(len(mean) - switch)
+    after = smooth[switch:]
+    fallen = np.flatnonzero(after <= middle)
+    if not fallen.size:
+        return float(len(after))
+    at = int(fallen[0])
+    if not at:
+        return 0.0
+    return at - float((middle - after[at]) / (after[at - 1] - after[at]))

@@ -15,10 +15,11 @@ from realitygap.studies.paper import figures, gap_figures
 from realitygap.studies.paper.conditions import PlannedRun, StudyConfig
 from realitygap.studies.paper.directory import StudyDirectory
 from realitygap.studies.paper.gap_tables import controllers_table, gap_table
-from realitygap.studies.paper.mixture import evolved_table, mixture_table
+from realitygap.studies.paper.mixture import evolved_table
+from realitygap.studies.paper.readings import DEFAULT, depends, of_variant, told
 from realitygap.studies.paper.results import outcome, result_sections
+from realitygap.studies.paper.rounds import verdicts_by_variant
 from realitygap.studies.paper.tables import StudyTables, collect
-from realitygap.studies.paper.verdicts import weigh_claims
 from realitygap.studies.plumbing.output import whole_file
 
 CAPTIONS = {
@@ -36,22 +37,27 @@ CAPTIONS = {
 
 
 def write_report(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.DataFrame:
-    """Make everything from the runs of a finished study; returns the claims table."""
+    """Make everything from the runs that are there; returns the claims table."""
     out, study = directory.out, directory.study
-    tables = collect(directory)
+    everything = collect(directory)
+    tables = of_variant(everything, DEFAULT)
+    verdicts = verdicts_by_variant(everything, study.runs)
     fresh = fresh_fitness_of(study.model, study.robots, study.seed)
     gaps = decompose(tables.generations, fresh, study.minutes)
-    claims = weigh_claims(tables, study.seed)
-    runs = tables.runs.merge(_gap_of_runs(gaps), on=["condition", "variant", "run"], how="left")
+    claims, weighed = verdicts[DEFAULT], told(verdicts)
+    keys = ["condition", "variant", "run"]
+    runs = everything.runs.merge(_gap_of_runs(gaps), on=keys, how="left")
     write_parquet(runs, out / "study.parquet")
-    write_parquet(tables.generations, out / "generations.parquet")
-    for name, frame in (
-        ("claims", claims),
-        ("mixture", mixture_table(tables, study.seed)),
-        ("evolved", evolved_table(tables)),
-        ("gap", gap_table(gaps)),
-        ("controllers", controllers_table(fresh.mean(axis=0))),
-    ):
+    write_parquet(everything.generations, out / "generations.parquet")
+    made = {
+        "claims": claims,
+        "evolved": evolved_table(tables),
+        "gap": gap_table(gaps),
+        "controllers": controllers_table(fresh.mean(axis=0)),
+    }
+    if len(verdicts) > 1:
+        made |= {"readings": weighed, "dependence": depends(weighed)}
+    for name, frame in made.items():
         write_csv(frame, out / f"{name}.csv")
     results = result_sections(study, out)
     with whole_file(out / "results.md", force=True) as part:

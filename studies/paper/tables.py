@@ -6,7 +6,8 @@ where they happen; a generation counts where its middle lies.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import itertools
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,15 +17,24 @@ import pandas as pd
 
 from realitygap.embedded_sim import SCENARIOS
 from realitygap.embedded_sim.breeding import third
+from realitygap.reality.arena import ForagingArena
 from realitygap.studies.paper.conditions import PlannedRun, StudyConfig
 from realitygap.studies.paper.directory import StudyDirectory
+from realitygap.studies.run.experiment import RunConfig
 
 HALVES = ("first", "second")
 QUARTERS = ("q1", "q2", "q3", "q4")
 BEHAVIOURS = ("negative", "search", "positive")
 """What a third of G0 or G1 selects (paper, Fig. 4)."""
 
+NEAR = 0.2
+"""m, between centres: within it a robot has company; three of its diameters."""
+TOUCH = 0.08
+"""m, between centres: nearly a robot's diameter and 1 cm, the least that two keep who avoid."""
+
 Array = npt.NDArray[np.float64]
+Known = dict[str, tuple[dict[str, Any], pd.DataFrame]]
+"""A run's row and its generations, by its name."""
 
 
 @dataclass(frozen=True)
@@ -38,22 +48,45 @@ class StudyTables:
     minutes: float
     """Length of a run."""
 
+    def first(self, runs: int) -> StudyTables:
+        """Of the first so many runs of every condition."""
+        return replace(
+            self,
+            runs=self.runs[self.runs["run"] < runs],
+            generations=self.generations[self.generations["index"] < runs],
+        )
+
+    def whole(self, condition: str) -> int:
+        """Runs of a condition that are there, one after another from the first."""
+        there = set(self.runs.loc[self.runs["condition"] == condition, "run"])
+        return next(at for at in itertools.count() if at not in there)
+
     def values(self, condition: str, column: str, variant: str = "default") -> Array:
         """A column of one condition, a value per run, in the order of the runs."""
         rows = self.runs[(self.runs["condition"] == condition) & (self.runs["variant"] == variant)]
         return rows[column].to_numpy(dtype=np.float64)
 
 
-def collect(directory: StudyDirectory[StudyConfig, PlannedRun]) -> StudyTables:
-    """Read every run of a finished study."""
-    rows, generations = [], []
+def collect(
+    directory: StudyDirectory[StudyConfig, PlannedRun], known: Known | None = None
+) -> StudyTables:
+    """Read every run of a study.
+
+    Args:
+        directory: The study's, its runs finished.
+        known: Rows of runs that were read before, by name; grows.
+    """
+    known = {} if known is None else known
     for run in directory.runs:
-        path = directory.path(run)
-        evolved = _generations(run, path)
-        rows.append({**_who(run), **_food(run, path), **_genes(run, evolved)})
-        generations.append(evolved)
+        if run.name not in known:
+            path = directory.path(run)
+            evolved = _generations(run, path)
+            places = pd.read_parquet(path / "positions.parquet")
+            row = {**_who(run), **_food(run, path), **_genes(run, evolved)}
+            known[run.name] = {**row, **company(places, evolved, run.config)}, evolved
+    rows, generations = zip(*(known[run.name] for run in directory.runs), strict=True)
     return StudyTables(
-        runs=pd.DataFrame(rows),
+        runs=pd.DataFrame(list(rows)),
         generations=pd.concat(generations, ignore_index=True),
         minutes=directory.study.minutes,
     )
@@ -128,10 +161,53 @@ def _genes(run: PlannedRun, generations: pd.DataFrame) -> dict[str, Any]:
             row[f"mean_{scenario}_{quarter}"] = _share(mean == number)
         for number, behaviour in enumerate(BEHAVIOURS):
             row[f"g0_{behaviour}_{quarter}"] = _share(within["g0_third"].to_numpy() == number)
-    after = generations[part == 2]
-    heard = [after.loc[after["g0_third"] == which, "heard"].mean() for which in (2, 0)]
-    row["heard_positive_minus_negative"] = heard[0] - heard[1]
     return row
+
+
+def company(places: pd.DataFrame, generations: pd.DataFrame, run: RunConfig) -> dict[str, float]:
+    """Who is near whom, from measured positions once a second.
+
+    Args:
+        places: `positions.parquet` of a run.
+        generations: Of the same run, with `g0_third`.
+        run: What was run.
+
+    Returns:
+        crowd_nest: robots in the nest, mean over the second half.
+        touching: share of robots' seconds with another one within `TOUCH`.
+        near_positive, near_negative: others within `NEAR` in the third quarter, of robots that
+        carry food towards the light and away from it; NaN where there are none.
+    """
+    robots = run.robots
+    xy = places[["x", "y"]].to_numpy(dtype=np.float64).reshape(-1, robots, 2)
+    seconds = places["t"].to_numpy(dtype=np.float64).reshape(-1, robots)[:, 0]
+    apart = np.linalg.norm(xy[:, :, None] - xy[:, None], axis=-1)
+    apart[:, np.arange(robots), np.arange(robots)] = np.inf
+    near, end = (apart < NEAR).sum(axis=2), run.minutes * 60.0
+    *nest, radius = ForagingArena(run.arena_radius).nest
+    at_nest = np.linalg.norm(xy - nest, axis=-1) < radius
+    row = {
+        "crowd_nest": float(at_nest[seconds >= end / 2.0].sum(axis=1).mean()),
+        "touching": float((apart < TOUCH).any(axis=2).mean()),
+    }
+    third_of = _running(generations, seconds, robots)
+    after = (seconds >= end / 2.0) & (seconds < end * 0.75)
+    for name, which in (("near_positive", 2), ("near_negative", 0)):
+        of_kind = (third_of == which) & after[:, None]
+        row[name] = float(near[of_kind].mean()) if of_kind.any() else np.nan
+    return row
+
+
+def _running(generations: pd.DataFrame, seconds: Array, robots: int) -> npt.NDArray[np.int8]:
+    """(seconds, robots) third of the G0 that runs on each robot; -1 before it is switched on."""
+    running = np.full((len(seconds), robots), -1, dtype=np.int8)
+    for robot in range(robots):
+        rows = generations[generations["robot"] == robot]
+        starts = rows["t_start"].to_numpy()
+        at = np.searchsorted(starts, seconds, side="right") - 1
+        thirds = rows["g0_third"].to_numpy()
+        running[:, robot] = np.where(at >= 0, thirds[np.maximum(at, 0)], -1)
+    return running
 
 
 def swarm_mean(generations: pd.DataFrame) -> pd.Series[float]:
