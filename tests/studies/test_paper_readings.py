@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from realitygap.embedded_sim.reading import reading
-from realitygap.studies.paper.claims import CLAIMS
+from realitygap.studies.paper.claims import PAPERS
 from realitygap.studies.paper.conditions import PAPER, StudyConfig, plan
 from realitygap.studies.paper.readings import (
     LAMPS,
@@ -17,9 +17,7 @@ from realitygap.studies.paper.readings import (
     VARIANTS,
     depends,
     reading_conditions,
-    stands,
 )
-from realitygap.studies.paper.statistics import ClaimEvidence
 from realitygap.studies.paper.study import run_study
 from realitygap.studies.plumbing.execution import Workers
 
@@ -48,25 +46,20 @@ def test_the_default_variant_repeats_the_runs_of_the_paper_study() -> None:
     assert [run.config for run in readings[: len(paper)]] == [run.config for run in paper]
 
 
-def test_a_claim_stands_where_its_whole_interval_lies() -> None:
-    above_one = (1.0, float("inf"))
-    assert stands(ClaimEvidence(2.0, 1.1, 3.0, 0.5, 0.5, above_one, 3)) == "holds"
-    assert stands(ClaimEvidence(0.5, 0.1, 0.9, 0.5, 0.5, above_one, 3)) == "fails"
-    assert stands(ClaimEvidence(1.2, 0.9, 1.5, 0.5, 0.5, above_one, 3)) == "open"
-    nan = float("nan")
-    assert stands(ClaimEvidence(nan, nan, nan, nan, nan, above_one, 0)) == "open"
-
-
 def test_a_claim_that_holds_without_selection_proves_nothing() -> None:
     rows = [
-        {"claim": claim.key, "variant": variant, "stands": "holds"}
-        for claim in CLAIMS
+        {"claim": claim.key, "variant": variant, "verdict": "holds"}
+        for claim in PAPERS
         for variant in VARIANTS
     ]
     table = pd.DataFrame(rows)
-    first, second = CLAIMS[0].key, CLAIMS[1].key
-    table.loc[(table["claim"] == first) & (table["variant"] == "neutral"), "stands"] = "fails"
-    table.loc[(table["claim"] == second) & (table["variant"] == "lamp2"), "stands"] = "fails"
+    first, second = PAPERS[0].key, PAPERS[1].key
+    table.loc[(table["claim"] == first) & (table["variant"] == "neutral"), "verdict"] = (
+        "does not hold"
+    )
+    table.loc[(table["claim"] == second) & (table["variant"] == "lamp2"), "verdict"] = (
+        "does not hold"
+    )
     found = depends(table).set_index("claim")
     assert found.loc[first, "says"] == "needs selection"
     assert found.loc[second, "says"] == "proves nothing"
@@ -84,5 +77,5 @@ def test_a_study_of_readings_leaves_its_tables_figures_and_page(tmp_path: Path) 
     expected |= {f"figures/readings-{n}.{k}" for n in ("claims", "food") for k in ("png", "svg")}
     assert expected <= names
     weighed = pd.read_csv(out / "readings.csv")
-    assert len(weighed) == len(CLAIMS) * len(VARIANTS)
+    assert len(weighed) == len(PAPERS) * len(VARIANTS)
     assert np.isfinite(weighed["effect"]).any()
