@@ -6,6 +6,7 @@ matters, before the runs that decide it.
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 from realitygap.embedded_sim import SCENARIOS
@@ -19,6 +20,7 @@ from realitygap.studies.paper.weighing import (
     persistence,
     ratio,
     share,
+    sooner,
     spread,
     typical,
 )
@@ -95,14 +97,14 @@ def _within(
     text: str,
     estimand: str,
     conditions: Names,
-    comparison: Comparison,
+    comparisons: tuple[Comparison, ...],
     claimed: Range,
     why: str,
     **changes: Any,
 ) -> Claim:
     """An estimand lies in a range."""
     values = {"claimed": claimed, "alike": None, "because": why, **changes}
-    return Claim(names[0], names[1], text, estimand, conditions, (comparison,), **values)
+    return Claim(names[0], names[1], text, estimand, conditions, comparisons, **values)
 
 
 def _share(
@@ -110,7 +112,7 @@ def _share(
 ) -> Claim:
     """A share is above one half, or below."""
     claimed = (0.5, INFINITE) if most else (-INFINITE, 0.5)
-    found = share(conditions, columns)
+    found = (share(conditions, columns),)
     return _within(
         *((key, "Fig. 8"), text, f"{estimand}, against one half", conditions, found, claimed),
         *(MOST_WHY,),
@@ -129,7 +131,7 @@ FOOD = (
         "Without light, co-evolution collects as little as the fixed search controller",
         "food, ratio of means",
         NO_LIGHT,
-        _food(*NO_LIGHT),
+        (_food(*NO_LIGHT),),
         (1.0 / AMOUNT, AMOUNT),
         AMOUNT_WHY,
     ),
@@ -163,7 +165,7 @@ FOOD = (
         "Light opposite the nest is only marginally better than no light",
         "food, ratio of means to both conditions without light",
         ("opposite", *NO_LIGHT),
-        ratio(("opposite",), NO_LIGHT, "food_total"),
+        (ratio(("opposite",), NO_LIGHT, "food_total"),),
         MARGINAL[0],
         MARGINAL[2],
         alike=MARGINAL[1],
@@ -249,7 +251,7 @@ RATE = (
             f"{label}: the swarm is foraging again in the last quarter",
             "food of the last quarter, ratio of means to that without light",
             (name, "no-light"),
-            ratio((name,), ("no-light",), "food_q4"),
+            (ratio((name,), ("no-light",), "food_q4"),),
             *SLACK,
         )
         for name, label in zip(SWITCHES, SWITCH_LABELS, strict=True)
@@ -353,7 +355,7 @@ GENE = (
             f"{label}: the old convergence lasts about 7 minutes after the light has moved",
             "minutes until the share of robots in the old third is half-way to its end",
             (name,),
-            persistence(name, scenario),
+            (persistence(name, scenario),),
             *SEVEN,
             logarithmic=False,
         )
@@ -394,4 +396,64 @@ LABOUR = (
 )
 """Ours: is it dividing the labour that beats the fixed positive controller?"""
 
+INFORMATIVE = (("at-nest", "with light at nest"), ("no-light", "without light"))
+"""Where believing wrongly costs food, and where it cannot: nothing there is to be believed in."""
+SELECTION = (
+    *(
+        _more(
+            (f"truth-pays-{name}", "selection"),
+            f"A robot that believes the truth earns more {where}",
+            "fitness in reality in the second half, of right beliefs over wrong, in the same runs",
+            (name,),
+            ratio((name,), (name,), ("earned_right", "earned_wrong")),
+        )
+        for name, where in INFORMATIVE
+    ),
+    *(
+        _more(
+            (f"selection-finds-{name}", "selection"),
+            f"Selection by foraging makes more robots believe the truth {where}",
+            "share of robots in the right third in the last quarter, ratio to neutral",
+            (name, f"neutral.{name}"),
+            ratio((name,), (f"neutral.{name}",), f"robots_{scenario}_q4"),
+            matters=(CONVERGED, CONVERGED_WHY),
+        )
+        for (name, where), scenario in zip(INFORMATIVE, ("at_nest", "none"), strict=True)
+    ),
+    _more(
+        ("selection-feeds", "selection"),
+        "Selection of simulators by foraging brings more food with light at the nest",
+        "food, ratio of means to neutral",
+        ("at-nest", "neutral.at-nest"),
+        _food("at-nest", "neutral.at-nest"),
+    ),
+)
+"""Ours: can simulators converge where reality does not tell them apart, and what is it worth?"""
+
+SIZES = ("robots5", "default", "robots20", "robots40")
+_MOVED = tuple(f"{size}.{SWITCHES[1]}".removeprefix("default.") for size in SIZES)
+NUMBER = tuple(
+    _within(
+        (key, "number"),
+        text,
+        "minutes from the move, opposite → at nest, to 80 % of the old rate: difference",
+        tuple({name: None for pair in pairs for name in pair}),
+        tuple(sooner(*pair) for pair in pairs),
+        (0.0, INFINITE),
+        "a minute: no robot can change its controller in less than a generation",
+        alike=(-1.0, 1.0),
+        logarithmic=False,
+    )
+    for key, text, pairs in (
+        ("forty-adapt-faster", "Forty robots adapt faster than five", ((_MOVED[0], _MOVED[3]),)),
+        (
+            "each-doubling-faster",
+            "Each doubling of the robots, from five to forty, makes them adapt faster",
+            tuple(itertools.pairwise(_MOVED)),
+        ),
+    )
+)
+"""Ours: do more robots adapt faster, in an arena of the same density?"""
+
 CLAIMS = (*PAPERS, *LABOUR)
+"""Those that the default reading decides."""

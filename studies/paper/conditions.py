@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from realitygap.reality import constants as k
 from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.reality.rays import DEFAULT_RAYS, RaysName
 from realitygap.studies.inputs.model import Model
@@ -17,6 +18,9 @@ from realitygap.studies.run.experiment import Case, Controller, Minutes, Robots,
 from realitygap.studies.run.settings import checked
 
 StudyName = Literal["paper", "readings"]
+
+LAMP_RANGE = 0.8
+"""m at which the nominal lamp's contrast fades: `reality.constants.LAMP_POWER` says why."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +43,16 @@ class Condition:
     def key(self) -> str:
         """Unique among all studies' conditions; runs are named after it and seeded with it."""
         return self.name if self.variant == "default" else f"{self.variant}.{self.name}"
+
+
+def _as_dense(robots: int) -> dict[str, Any]:
+    """So many robots in an arena in which ten would be as dense, its lamp seen as far across it."""
+    wider = float(np.sqrt(robots / 10.0))
+    return {
+        "robots": robots,
+        "arena_radius": k.ARENA_RADIUS * wider,
+        "lamp_range": LAMP_RANGE * wider,
+    }
 
 
 PAPER = (
@@ -71,6 +85,12 @@ MIXTURE = (
 the second alone, half of each, and seven of the second with three of the first, on the seeds of the
 first alone. Not the paper's: they ask why co-evolution collects more than the fixed positive
 controller."""
+
+SIZED = tuple(
+    replace(PAPER[4], variant=f"robots{robots}", changes=_as_dense(robots))
+    for robots in (5, 20, 40)
+)
+"""Other numbers of robots, after whose relocation the light is useful again."""
 
 STUDIED = (*PAPER, *MIXTURE)
 COEVOLVED = PAPER[:5]

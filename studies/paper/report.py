@@ -18,7 +18,7 @@ from realitygap.studies.paper.gap_tables import controllers_table, gap_table
 from realitygap.studies.paper.mixture import evolved_table
 from realitygap.studies.paper.readings import DEFAULT, depends, of_variant, told
 from realitygap.studies.paper.results import outcome, result_sections
-from realitygap.studies.paper.rounds import verdicts_by_variant
+from realitygap.studies.paper.rounds import NUMBERED, SELECTED, verdicts_by_variant
 from realitygap.studies.paper.tables import StudyTables, collect
 from realitygap.studies.plumbing.output import whole_file
 
@@ -44,7 +44,8 @@ def write_report(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.DataF
     verdicts = verdicts_by_variant(everything, study.runs)
     fresh = fresh_fitness_of(study.model, study.robots, study.seed)
     gaps = decompose(tables.generations, fresh, study.minutes)
-    claims, weighed = verdicts[DEFAULT], told(verdicts)
+    across = [verdicts.pop(name) for name in (SELECTED, NUMBERED) if name in verdicts]
+    claims, weighed = pd.concat([verdicts[DEFAULT], *across]), told(verdicts)
     keys = ["condition", "variant", "run"]
     runs = everything.runs.merge(_gap_of_runs(gaps), on=keys, how="left")
     write_parquet(runs, out / "study.parquet")

@@ -9,7 +9,7 @@ import pandas as pd
 
 from realitygap.studies.fitness_gap.anew import TRIALS
 from realitygap.studies.pages.page import VERDICTS, PageTable, Section, number
-from realitygap.studies.paper.claims import CLAIMS
+from realitygap.studies.paper.claims import CLAIMS, NUMBER, PAPERS, SELECTION
 from realitygap.studies.paper.conditions import LABELS, STUDIED, StudyConfig
 from realitygap.studies.paper.mixture import evolved_text
 from realitygap.studies.paper.notes import NOTES
@@ -44,7 +44,7 @@ GAP_TEXT = (
 
 def outcome(claims: pd.DataFrame) -> str:
     """How many of the paper's claims came out how."""
-    papers = claims[claims["family"] != "labour"]
+    papers = claims[claims["claim"].isin([claim.key for claim in PAPERS])]
     counts = papers["verdict"].value_counts()
     found = ", ".join(f"{counts.get(name, 0)} {name}" for name in VERDICTS)
     return f"Of {len(papers)} claims of the paper: {found}."
@@ -97,7 +97,7 @@ def _claims_section(study: StudyConfig, claims: pd.DataFrame) -> Section:
 
 def claims_view(claims: pd.DataFrame) -> PageTable:
     """The claims as the page shows them."""
-    why = {claim.key: claim.because for claim in CLAIMS}
+    why = {claim.key: claim.because for claim in (*CLAIMS, *SELECTION, *NUMBER)}
     view = claims[["claim", "family", "text", "estimand"]].copy()
     view["estimate (interval)"] = [
         f"{number(effect)} ({number(low)} to {number(high)})"

@@ -12,8 +12,15 @@ from dataclasses import dataclass, field
 import pandas as pd
 
 from realitygap.studies.pages.page import number
-from realitygap.studies.paper.claims import CLAIMS, PAPERS
-from realitygap.studies.paper.conditions import STUDIED, Condition, PlannedRun, StudyConfig, plan
+from realitygap.studies.paper.claims import CLAIMS, NUMBER, PAPERS, SELECTION
+from realitygap.studies.paper.conditions import (
+    SIZED,
+    STUDIED,
+    Condition,
+    PlannedRun,
+    StudyConfig,
+    plan,
+)
 from realitygap.studies.paper.directory import StudyDirectory
 from realitygap.studies.paper.execution import execute, run_files
 from realitygap.studies.paper.readings import (
@@ -31,20 +38,28 @@ from realitygap.studies.paper.weighing import Claim
 from realitygap.studies.plumbing.execution import Workers
 from realitygap.studies.plumbing.progress import Shown
 
-DECIDED = (DEFAULT, LITERAL, NEUTRAL, *LAMPS)
-"""Variants in the order in which they are decided."""
+SELECTED, NUMBERED = "selection", "number"
+"""What is decided across variants, by the family of its claims."""
+DECIDED = (DEFAULT, LITERAL, NEUTRAL, SELECTED, *LAMPS, NUMBERED)
+"""Variants, and what compares them, in the order in which they are decided."""
 
 Directory = StudyDirectory[StudyConfig, PlannedRun]
 
 
 def claims_of(variant: str) -> tuple[Claim, ...]:
     """What a variant decides: the mixtures are asked about once."""
-    return CLAIMS if variant == DEFAULT else PAPERS
+    return {DEFAULT: CLAIMS, SELECTED: SELECTION, NUMBERED: NUMBER}.get(variant, PAPERS)
 
 
 def studied_in(variant: str) -> tuple[Condition, ...]:
     """A variant's own conditions."""
-    return STUDIED if variant == DEFAULT else conditions_of(variant)
+    own = {DEFAULT: STUDIED, SELECTED: (), NUMBERED: SIZED}
+    return own[variant] if variant in own else conditions_of(variant)
+
+
+def tables_of(tables: StudyTables, variant: str) -> StudyTables:
+    """What a variant's claims are weighed on: its tables, or all."""
+    return tables if variant in (SELECTED, NUMBERED) else of_variant(tables, variant)
 
 
 def grown(
@@ -95,15 +110,28 @@ class Rounds:
             WorkersLost: workers keep dying.
         """
         for variant in DECIDED:
-            own = studied_in(variant)
-            at_hand = {one.name: one for one in (*STUDIED, *own)}
-            wanted = self.runs | {one.key: self.directory.study.runs for one in own}
-            while wanted != self.runs:
-                tables = self._run(wanted)
-                found = decide(of_variant(tables, variant), self._batch, claims_of(variant))
+            wanted = self.runs | {one.key: self._batch for one in studied_in(variant)}
+            tables = self._run(wanted)
+            while True:
+                found = decide(tables_of(tables, variant), self._batch, claims_of(variant))
                 self._say(variant, found)
                 left = still_open(found, claims_of(variant))
-                wanted = grown(self.runs, at_hand, left, self._batch)
+                wanted = grown(self.runs, self.at_hand(variant), left, self._batch)
+                if wanted == self.runs:
+                    break
+                tables = self._run(wanted)
+
+    def at_hand(self, variant: str) -> dict[str, Condition]:
+        """What a variant's claims mean by the name of a condition."""
+        every = {one.key: one for one in self.conditions}
+        if variant in (SELECTED, NUMBERED):
+            return every
+        return every | {one.name: one for one in studied_in(variant)}
+
+    @property
+    def conditions(self) -> list[Condition]:
+        """All that have runs, in the order in which they came in."""
+        return [one for name in DECIDED for one in studied_in(name) if one.key in self.runs]
 
     @property
     def _batch(self) -> int:
@@ -112,8 +140,7 @@ class Rounds:
     def _run(self, wanted: dict[str, int]) -> StudyTables:
         """Do the runs that are missing; all that are there."""
         self.runs = wanted
-        conditions = [one for name in DECIDED for one in studied_in(name) if one.key in wanted]
-        self.directory.widen(plan(self.directory.study, conditions, wanted))
+        self.directory.widen(plan(self.directory.study, self.conditions, wanted))
         if self.directory.pending():
             execute(self.directory, self.workers, run_files, quiet=self.quiet)
             self.report(self.directory)
@@ -132,10 +159,11 @@ class Rounds:
 
 
 def verdicts_by_variant(tables: StudyTables, batch: int) -> dict[str, pd.DataFrame]:
-    """The claims tables of all variants that have runs of their own."""
+    """The claims tables of all that has runs."""
     there = set(tables.runs["variant"])
+    needed = {SELECTED: NEUTRAL, NUMBERED: SIZED[0].variant}
     return {
-        variant: decide(of_variant(tables, variant), batch, claims_of(variant))
+        variant: decide(tables_of(tables, variant), batch, claims_of(variant))
         for variant in DECIDED
-        if variant in there
+        if needed.get(variant, variant) in there
     }

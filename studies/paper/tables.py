@@ -20,9 +20,9 @@ from realitygap.embedded_sim.breeding import third
 from realitygap.reality.arena import ForagingArena
 from realitygap.studies.paper.conditions import PlannedRun, StudyConfig
 from realitygap.studies.paper.directory import StudyDirectory
-from realitygap.studies.run.experiment import RunConfig
+from realitygap.studies.run.experiment import HALVES, RunConfig
 
-HALVES = ("first", "second")
+PARTS = ("first", "second")
 QUARTERS = ("q1", "q2", "q3", "q4")
 BEHAVIOURS = ("negative", "search", "positive")
 """What a third of G0 or G1 selects (paper, Fig. 4)."""
@@ -56,15 +56,34 @@ class StudyTables:
             generations=self.generations[self.generations["index"] < runs],
         )
 
-    def whole(self, condition: str) -> int:
+    def whole(self, key: str) -> int:
         """Runs of a condition that are there, one after another from the first."""
-        there = set(self.runs.loc[self.runs["condition"] == condition, "run"])
+        there = set(_of(self.runs, key)["run"])
         return next(at for at in itertools.count() if at not in there)
 
-    def values(self, condition: str, column: str, variant: str = "default") -> Array:
-        """A column of one condition, a value per run, in the order of the runs."""
-        rows = self.runs[(self.runs["condition"] == condition) & (self.runs["variant"] == variant)]
-        return rows[column].to_numpy(dtype=np.float64)
+    def values(self, key: str, column: str) -> Array:
+        """A column of one condition, a value per run, in the order of the runs.
+
+        Args:
+            key: Of the condition: its name, after its variant and a dot unless that is the default.
+            column: Of `runs`.
+        """
+        return _of(self.runs, key)[column].to_numpy(dtype=np.float64)
+
+    def curves(self, key: str, column: str) -> Array:
+        """Mean of a column over the generations whose middle lies in a minute: (runs, minutes)."""
+        rows = _of(self.generations, key)
+        minutes = max(1, round(self.minutes))
+        minute = np.minimum(rows["minute"].astype(int), minutes - 1)
+        found = rows[column].groupby([rows["index"], minute]).mean().unstack(level=1)
+        whole = found.reindex(columns=range(minutes)).ffill(axis=1).bfill(axis=1)
+        return whole.to_numpy(dtype=np.float64)
+
+
+def _of(table: pd.DataFrame, key: str) -> pd.DataFrame:
+    """Rows of a condition, by its key."""
+    variant, _, condition = key.rpartition(".")
+    return table[(table["condition"] == condition) & (table["variant"] == (variant or "default"))]
 
 
 def collect(
@@ -128,7 +147,7 @@ def _food(run: PlannedRun, path: Path) -> dict[str, Any]:
     quarter = np.minimum(deposits["t"] / end * 4.0, 3.999).astype(int)
     carried = deposits["t"] - deposits["t_pickup"]
     row: dict[str, Any] = {"food_total": len(deposits)}
-    for at, name in enumerate(HALVES):
+    for at, name in enumerate(PARTS):
         row[f"food_{name}"] = int((half == at).sum())
     for at, name in enumerate(QUARTERS):
         row[f"food_{name}"] = int((quarter == at).sum())
@@ -136,9 +155,9 @@ def _food(run: PlannedRun, path: Path) -> dict[str, Any]:
     row["share_first"] = row["food_first"] / total if total else np.nan
     row["imbalance"] = abs(row["share_first"] - 0.5)
     row["retrieval_total"] = carried.mean()
-    for at, name in enumerate(HALVES):
+    for at, name in enumerate(PARTS):
         row[f"retrieval_{name}"] = carried[half == at].mean()
-    for name in HALVES:
+    for name in PARTS:
         items = row[f"food_{name}"]
         row[f"interval_{name}"] = end / 2.0 / items if items else np.nan
     return row
@@ -161,6 +180,10 @@ def _genes(run: PlannedRun, generations: pd.DataFrame) -> dict[str, Any]:
             row[f"mean_{scenario}_{quarter}"] = _share(mean == number)
         for number, behaviour in enumerate(BEHAVIOURS):
             row[f"g0_{behaviour}_{quarter}"] = _share(within["g0_third"].to_numpy() == number)
+    truth, late = HALVES[run.config.case][1], generations[part >= 2]
+    right = late["s0_third"] == truth
+    for name, which in (("right", right), ("wrong", ~right)):
+        row[f"earned_{name}"] = float(late.loc[which, "fitness_real"].mean())
     return row
 
 
@@ -200,13 +223,11 @@ def company(places: pd.DataFrame, generations: pd.DataFrame, run: RunConfig) -> 
 
 def _running(generations: pd.DataFrame, seconds: Array, robots: int) -> npt.NDArray[np.int8]:
     """(seconds, robots) third of the G0 that runs on each robot; -1 before it is switched on."""
-    running = np.full((len(seconds), robots), -1, dtype=np.int8)
+    running = np.empty((len(seconds), robots), dtype=np.int8)
     for robot in range(robots):
         rows = generations[generations["robot"] == robot]
-        starts = rows["t_start"].to_numpy()
-        at = np.searchsorted(starts, seconds, side="right") - 1
-        thirds = rows["g0_third"].to_numpy()
-        running[:, robot] = np.where(at >= 0, thirds[np.maximum(at, 0)], -1)
+        thirds = np.append(np.int8(-1), rows["g0_third"].to_numpy())
+        running[:, robot] = thirds[np.searchsorted(rows["t_start"], seconds, side="right")]
     return running
 
 

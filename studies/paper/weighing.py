@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from realitygap.studies.paper.persistence import half_life, old_third_curves
+from realitygap.studies.paper.persistence import half_life, old_third_curves, recovery
 from realitygap.studies.paper.tables import Array, StudyTables
 
 Names = tuple[str, ...]
@@ -21,7 +21,7 @@ Range = tuple[float, float]
 Statistic = Callable[[Sequence[Array]], float]
 Read = Callable[[StudyTables], list[Array]]
 """Samples, a row per run each."""
-Family = Literal["Fig. 6", "Fig. 7", "Fig. 8", "adaptation", "labour"]
+Family = Literal["Fig. 6", "Fig. 7", "Fig. 8", "adaptation", "labour", "selection", "number"]
 
 FEWEST = 3
 """Runs below which a jackknife says nothing; our choice."""
@@ -178,6 +178,19 @@ def persistence(condition: str, scenario: int) -> Comparison:
         return half_life(samples[0], samples[0].shape[1] // 2)
 
     return Comparison(read, statistic, True)
+
+
+def sooner(fewer: str, more: str) -> Comparison:
+    """Minutes by which runs of `more` earn as before sooner after the lamp has moved."""
+
+    def read(tables: StudyTables) -> list[Array]:
+        return [tables.curves(key, "deposits") for key in (fewer, more)]
+
+    def statistic(samples: Sequence[Array]) -> float:
+        fewer_wait, more_wait = (recovery(one, one.shape[1] // 2) for one in samples)
+        return fewer_wait - more_wait
+
+    return Comparison(read, statistic, False)
 
 
 def _pool(tables: StudyTables, names: Names, column: str) -> Array:

@@ -9,8 +9,8 @@ import pandas as pd
 import pytest
 
 from realitygap.studies.paper import rounds
-from realitygap.studies.paper.claims import CLAIMS
-from realitygap.studies.paper.conditions import PAPER, STUDIED, StudyConfig, plan
+from realitygap.studies.paper.claims import CLAIMS, NUMBER, SELECTION
+from realitygap.studies.paper.conditions import PAPER, SIZED, STUDIED, StudyConfig, plan
 from realitygap.studies.paper.directory import StudyDirectory
 from realitygap.studies.paper.rounds import Directory, Rounds, grown, studied_in
 from realitygap.studies.paper.study import run_study
@@ -40,6 +40,27 @@ def test_a_variant_adds_runs_of_its_own_and_of_the_default_where_it_has_none() -
     runs = dict.fromkeys((one.key for one in (*STUDIED, *studied_in("literal"))), 10)
     found = grown(runs, at_hand, [BY_KEY["search-equivalent"]], 10)
     assert found == runs | {"literal.no-light": 20, "fixed-search": 20}
+
+
+def test_a_name_is_the_variant_s_own_condition_and_across_variants_a_key() -> None:
+    directory = StudyDirectory(Path("unused"), STUDY, ())
+    study = Rounds(directory, Workers(1), lambda directory: None, quiet=True)
+    study.runs = dict.fromkeys(
+        (one.key for name in ("default", "literal", "number") for one in studied_in(name)), 10
+    )
+    assert study.at_hand("literal")["no-light"].variant == "literal"
+    assert study.at_hand("literal")["fixed-search"].variant == "default"
+    for stage in ("number", "default"):
+        assert study.at_hand(stage)["opposite-to-at-nest"].variant == "default"
+    wanted = {name for claim in NUMBER for name in claim.conditions}
+    assert wanted <= set(study.at_hand("number"))
+
+
+def test_other_numbers_of_robots_are_as_dense_and_see_the_lamp_as_far_across() -> None:
+    for run in plan(StudyConfig(runs=1), SIZED):
+        config = run.config
+        assert config.robots / config.arena_radius**2 == pytest.approx(10 / 0.6**2)
+        assert config.lamp_range == pytest.approx(config.arena_radius * 0.8 / 0.6)
 
 
 class Fake:
@@ -119,13 +140,15 @@ def test_a_decided_study_leaves_its_claims_by_variant(
 ) -> None:
     monkeypatch.setattr("realitygap.studies.fitness_gap.anew.TRIALS", 20)
     monkeypatch.setattr("realitygap.studies.paper.sequential.MOST_RUNS", 3)
-    monkeypatch.setattr(rounds, "DECIDED", ("default", "neutral"))
+    monkeypatch.setattr(rounds, "DECIDED", ("default", "neutral", "selection", "number"))
     out = tmp_path / "study"
-    config = StudyConfig(runs=3, minutes=1.2, robots=3, until_decided=True)
+    config = StudyConfig(runs=3, minutes=0.3, robots=3, engine="mujoco", until_decided=True)
     said = run_study(config, out, Workers(2), quiet=True)
     assert said.startswith("Of 35 claims of the paper: ")
     weighed = pd.read_csv(out / "readings.csv")
     assert weighed.groupby("variant").size().to_dict() == {"default": len(CLAIMS), "neutral": 35}
     runs = pd.read_parquet(out / "study.parquet")
-    assert len(runs) == 3 * (len(STUDIED) + len(PAPER[:5]))
+    assert len(runs) == 3 * (len(STUDIED) + len(PAPER[:5]) + len(SIZED))
+    claims = pd.read_csv(out / "claims.csv")
+    assert claims["claim"].tolist() == [one.key for one in (*CLAIMS, *SELECTION, *NUMBER)]
     assert np.isfinite(runs["touching"]).all()

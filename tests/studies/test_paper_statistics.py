@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from realitygap.studies.paper.claims import CLAIMS, LABOUR, PAPERS
-from realitygap.studies.paper.persistence import half_life
+from realitygap.studies.paper.persistence import half_life, recovery
 from realitygap.studies.paper.sequential import boundary, looks, shares
 from realitygap.studies.paper.tables import StudyTables
 from realitygap.studies.paper.verdicts import ALIKE, FAILS, HOLDS, OPEN, alone, decide, judge
@@ -239,6 +239,14 @@ def test_pooled_conditions_are_one_sample_and_what_does_not_occur_is_left_out() 
     found = weigh(share(("one", "other"), ("food",)), tables)
     assert found.runs == 19
     assert found.value == pytest.approx(np.concatenate([low, low[:-1] + 1.0]).mean())
+
+
+def test_a_swarm_has_recovered_when_it_is_back_at_four_fifths_after_its_lowest() -> None:
+    curve = np.array([[5.0] * 30 + [1.0] * 10 + [5.0] * 20])
+    assert recovery(curve, 30) == pytest.approx(10.0, abs=1.0)
+    assert recovery(np.full((2, 60), 3.0), 30) == 0.0
+    assert recovery(np.array([[5.0] * 30 + [1.0] * 30]), 30) == 30.0
+    assert np.isnan(recovery(np.zeros((2, 60)), 30))
 
 
 def test_half_life_is_when_the_share_has_fallen_half_way() -> None:
