@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import pandas as pd
 
 from realitygap.studies.pages.page import number
-from realitygap.studies.paper.claims import CLAIMS, NUMBER, PAPERS, SELECTION
+from realitygap.studies.paper.claims import CLAIMS, PAPERS
 from realitygap.studies.paper.conditions import (
     SIZED,
     STUDIED,
@@ -23,6 +23,7 @@ from realitygap.studies.paper.conditions import (
 )
 from realitygap.studies.paper.directory import StudyDirectory
 from realitygap.studies.paper.execution import execute, run_files
+from realitygap.studies.paper.our_claims import NUMBER, SELECTION
 from realitygap.studies.paper.readings import (
     DEFAULT,
     LAMPS,

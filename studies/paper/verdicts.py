@@ -18,7 +18,7 @@ from realitygap.studies.paper.claims import CLAIMS, PAPERS
 from realitygap.studies.paper.notes import labels
 from realitygap.studies.paper.sequential import WRONG, boundary, looks, shares
 from realitygap.studies.paper.tables import StudyTables
-from realitygap.studies.paper.weighing import Claim, Range, Weighed, weigh
+from realitygap.studies.paper.weighing import Claim, Jackknifed, Range, weigh
 
 HOLDS, FAILS, ALIKE, OPEN = VERDICTS
 
@@ -89,7 +89,7 @@ def still_open(table: pd.DataFrame, claims: Sequence[Claim] = CLAIMS) -> list[Cl
     return [claim for claim in claims if claim.key in names]
 
 
-def _looked(claim: Claim, tables: StudyTables, batch: int) -> list[list[Weighed]]:
+def _looked(claim: Claim, tables: StudyTables, batch: int) -> list[list[Jackknifed]]:
     """The estimates of a claim's comparisons at every look for which all its runs are there."""
     there = min(tables.whole(name) for name in claim.conditions)
     return [
@@ -99,7 +99,7 @@ def _looked(claim: Claim, tables: StudyTables, batch: int) -> list[list[Weighed]
     ]
 
 
-def _first(claim: Claim, looked: list[list[Weighed]], batch: int, chance: float) -> Verdict:
+def _first(claim: Claim, looked: list[list[Jackknifed]], batch: int, chance: float) -> Verdict:
     """At the first look that decides, or the last."""
     nothing = float("nan")
     found = Verdict(OPEN, nothing, nothing, nothing, 0, nothing)
@@ -111,7 +111,7 @@ def _first(claim: Claim, looked: list[list[Weighed]], batch: int, chance: float)
     return found
 
 
-def _at(claim: Claim, estimates: list[Weighed], bound: float) -> Verdict:
+def _at(claim: Claim, estimates: list[Jackknifed], bound: float) -> Verdict:
     """At one look, with intervals of `bound` standard errors, more for few runs."""
     runs, chance = min(one.runs for one in estimates), float(norm.sf(bound))
     effect, low, high = (
@@ -127,7 +127,7 @@ def _at(claim: Claim, estimates: list[Weighed], bound: float) -> Verdict:
     return Verdict(judge(low, high, claim.claimed, claim.alike), effect, low, high, runs, bound)
 
 
-def _reach(one: Weighed, chance: float) -> float:
+def _reach(one: Jackknifed, chance: float) -> float:
     """How far an interval reaches to a side, for a one-sided chance."""
     return float(t.isf(chance, one.freedom)) * one.error
 

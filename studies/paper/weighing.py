@@ -61,7 +61,7 @@ class Claim:
 
 
 @dataclass(frozen=True)
-class Weighed:
+class Jackknifed:
     """An estimate, on the scale where differences add up."""
 
     value: float
@@ -72,7 +72,7 @@ class Weighed:
     """In the smallest sample."""
 
 
-def weigh(comparison: Comparison, tables: StudyTables) -> Weighed:
+def weigh(comparison: Comparison, tables: StudyTables) -> Jackknifed:
     """The estimate and its jackknife error; NaN where runs are too few or it does not exist."""
     samples = comparison.read(tables)
     if comparison.paired:
@@ -81,7 +81,7 @@ def weigh(comparison: Comparison, tables: StudyTables) -> Weighed:
     else:
         samples = [sample[_whole(sample)] for sample in samples]
     runs = min(len(sample) for sample in samples)
-    nothing = Weighed(float("nan"), float("nan"), float("nan"), runs)
+    nothing = Jackknifed(float("nan"), float("nan"), float("nan"), runs)
     if runs < FEWEST:
         return nothing
     groups = (
@@ -97,7 +97,9 @@ def weigh(comparison: Comparison, tables: StudyTables) -> Weighed:
     parts = sum(v**2 / f for v, f in zip(variances, freedoms, strict=True))
     freedom = total**2 / parts if parts else float(min(freedoms))
     value = comparison.statistic(samples)
-    return Weighed(value, float(np.sqrt(total)), freedom, runs) if np.isfinite(value) else nothing
+    return (
+        Jackknifed(value, float(np.sqrt(total)), freedom, runs) if np.isfinite(value) else nothing
+    )
 
 
 def log_ratio(samples: Sequence[Array]) -> float:

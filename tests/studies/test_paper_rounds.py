@@ -9,9 +9,10 @@ import pandas as pd
 import pytest
 
 from realitygap.studies.paper import rounds
-from realitygap.studies.paper.claims import CLAIMS, NUMBER, SELECTION
+from realitygap.studies.paper.claims import CLAIMS
 from realitygap.studies.paper.conditions import PAPER, SIZED, STUDIED, StudyConfig, plan
 from realitygap.studies.paper.directory import StudyDirectory
+from realitygap.studies.paper.our_claims import NUMBER, SELECTION
 from realitygap.studies.paper.rounds import Directory, Rounds, grown, studied_in
 from realitygap.studies.paper.study import run_study
 from realitygap.studies.paper.tables import Known, StudyTables

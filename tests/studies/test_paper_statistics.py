@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from realitygap.studies.paper.claims import CLAIMS, LABOUR, PAPERS
+from realitygap.studies.paper.claims import CLAIMS, PAPERS
+from realitygap.studies.paper.our_claims import LABOUR
 from realitygap.studies.paper.persistence import half_life, recovery
 from realitygap.studies.paper.sequential import boundary, looks, shares
 from realitygap.studies.paper.tables import StudyTables
