@@ -30,6 +30,7 @@ from realitygap.studies.paper.weighing import (
 )
 
 RANDOM = np.random.default_rng
+STUDIES = 200
 INFINITE = float("inf")
 ABOVE_ONE, TENTH = (1.0, INFINITE), (1 / 1.1, 1.1)
 
@@ -87,7 +88,7 @@ def _wrong(batch_looks: bool, truth: float, seed: int) -> float:
     claim = _claim(
         share(("one",), ("food",)), claimed=(truth, INFINITE), alike=None, logarithmic=False
     )
-    random, wrong, studies = RANDOM(seed), 0, 250
+    random, wrong, studies = RANDOM(seed), 0, STUDIES
     for _ in range(studies):
         tables = _tables(one=random.normal(truth, 1.0, 60))
         if batch_looks:
@@ -101,7 +102,7 @@ def _wrong(batch_looks: bool, truth: float, seed: int) -> float:
 def test_six_looks_together_are_wrong_in_a_twentieth_of_studies_and_uncorrected_in_many_more() -> (
     None
 ):
-    error = np.sqrt(0.05 * 0.95 / 250)
+    error = np.sqrt(0.05 * 0.95 / STUDIES)
     assert 0.01 < _wrong(True, 3.0, 1) < 0.05 + 3.0 * error
     assert _wrong(False, 3.0, 1) > 0.05 + 3.0 * error
 
@@ -201,6 +202,21 @@ def test_a_claim_of_many_comparisons_needs_all_and_one_is_enough_against_it() ->
     assert least(("top", "poor"), ("good", "poor")) == HOLDS
     assert least(("top", "poor"), ("poor", "good")) == FAILS
     assert least(("top", "poor"), ("good", "good")) == ALIKE
+
+
+def test_the_price_of_choosing_the_least_comparison_is_their_number() -> None:
+    tables = _tables(one=RANDOM(14).normal(100.0, 9.0, 10), other=RANDOM(15).normal(90.0, 9.0, 10))
+    versus = ratio(("one",), ("other",), "food")
+    single, many = (
+        alone(tables, (_claim(*[versus] * number, conditions=("one", "other")),)).iloc[0]
+        for number in (1, 5)
+    )
+    assert many["low"] == pytest.approx(single["low"])
+    freedom = weigh(versus, tables).freedom
+    reach, longer = (np.log(one["high"] / one["effect"]) for one in (single, many))
+    assert longer / reach == pytest.approx(
+        stats.t.isf(0.025 / 5, freedom) / stats.t.isf(0.025, freedom)
+    )
 
 
 def test_a_larger_family_asks_for_more() -> None:
