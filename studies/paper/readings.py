@@ -45,7 +45,7 @@ READINGS: dict[str, dict[str, object]] = {
     NEUTRAL: {"reading": NEUTRAL},
 }
 """Variants of the text, and the fields of a run that they change."""
-LAMPS: dict[str, dict[str, object]] = {
+LAMPS: dict[str, dict[str, float]] = {
     f"lamp{metres:g}": {"lamp_range": metres} for metres in LAMP_RANGES
 }
 """Variants of the lamp."""

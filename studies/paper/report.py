@@ -16,7 +16,7 @@ from realitygap.studies.paper.conditions import PlannedRun, StudyConfig
 from realitygap.studies.paper.directory import StudyDirectory
 from realitygap.studies.paper.gap_tables import controllers_table, gap_table
 from realitygap.studies.paper.mixture import evolved_table
-from realitygap.studies.paper.readings import DEFAULT, depends, of_variant, told
+from realitygap.studies.paper.readings import DEFAULT, LAMPS, depends, of_variant, told
 from realitygap.studies.paper.results import outcome, result_sections
 from realitygap.studies.paper.rounds import NUMBERED, SELECTED, verdicts_by_variant
 from realitygap.studies.paper.tables import StudyTables, collect
@@ -29,6 +29,8 @@ CAPTIONS = {
     "before and after half-time.",
     "fig8-s0": "Left: mean S0 of the swarm, boxed over runs, with the thirds shaded. Right: what "
     "the single robots believe, since a mean near 0.5 also comes from a mixture.",
+    "lamp-range": "Claims of Fig. 6 against the lamp's range, which the paper does not give: each "
+    "estimate with its interval, and where the claim is true (shaded).",
     "gap-course": "What the deployed controllers were promised by their simulators and what they "
     "earned in reality: by generation, and by what the robot believed.",
     "gap-parts": "The gap split into the winner's curse, the wrong scenario, and model error with "
@@ -64,6 +66,9 @@ def write_report(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.DataF
     with whole_file(out / "results.md", force=True) as part:
         part.write_text(markdown(results), encoding="utf-8")
     drawn = _figures(tables, gaps, out / "figures")
+    ranges = []
+    if weighed["variant"].isin(LAMPS).any():
+        ranges.append(draw(figures.lamps(weighed, claims), out / "figures" / "lamp-range"))
     with whole_file(out / "report.html", force=True) as part:
         write_page(
             part,
@@ -75,6 +80,7 @@ def write_report(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.DataF
                 Section("What the robots believe", figures=[drawn["fig8-s0"]]),
                 *results[:-1],
                 replace(results[-1], figures=[drawn["gap-course"], drawn["gap-parts"]]),
+                *([Section("The lamp's range", figures=ranges)] if ranges else []),
                 *settings_sections(directory),
             ],
         )

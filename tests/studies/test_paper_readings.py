@@ -11,6 +11,7 @@ import pytest
 from realitygap.embedded_sim.reading import reading
 from realitygap.studies.paper.claims import PAPERS
 from realitygap.studies.paper.conditions import PAPER, StudyConfig, plan
+from realitygap.studies.paper.figures import lamps
 from realitygap.studies.paper.readings import (
     LAMPS,
     READINGS,
@@ -79,3 +80,18 @@ def test_a_study_of_readings_leaves_its_tables_figures_and_page(tmp_path: Path) 
     weighed = pd.read_csv(out / "readings.csv")
     assert len(weighed) == len(PAPERS) * len(VARIANTS)
     assert np.isfinite(weighed["effect"]).any()
+
+
+def test_the_claims_of_figure_6_are_drawn_against_the_lamp_s_range() -> None:
+    drawn = [claim.key for claim in PAPERS if claim.family == "Fig. 6"]
+    rows = [
+        {"claim": key, "variant": variant, "effect": 2.0, "low": 1.5, "high": 3.0}
+        for key in drawn
+        for variant in ("default", *LAMPS, "neutral")
+    ]
+    claims = pd.DataFrame({"claim": drawn, "family": "Fig. 6"})
+    figure = lamps(pd.DataFrame(rows), claims.assign(claimed_above=1.0, claimed_below=np.inf))
+    titled = {axes.get_title(): axes for axes in figure.axes}
+    assert list(titled) == drawn
+    points = titled["two-best"].lines[0].get_xdata()
+    assert sorted(points) == [0.6, 0.8, 1.0, 2.0]
