@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -30,7 +31,7 @@ paper reports lie within a generation, so what is deployed at its end was bred u
 """
 
 
-def _mutations() -> dict[str, dict[str, object]]:
+def _mutations() -> dict[str, dict[str, Any]]:
     return {
         f"sd{sd:g}-{bounding}": {"environment_sd": sd, "bounding": bounding}
         for sd, bounding in itertools.product(STANDARD_DEVIATIONS, BOUNDINGS)
@@ -38,14 +39,14 @@ def _mutations() -> dict[str, dict[str, object]]:
     }
 
 
-READINGS: dict[str, dict[str, object]] = {
+READINGS: dict[str, dict[str, Any]] = {
     DEFAULT: {},
     **_mutations(),
     LITERAL: {"reading": "literal"},
     NEUTRAL: {"reading": NEUTRAL},
 }
 """Variants of the text, and the fields of a run that they change."""
-LAMPS: dict[str, dict[str, float]] = {
+LAMPS: dict[str, dict[str, Any]] = {
     f"lamp{metres:g}": {"lamp_range": metres} for metres in LAMP_RANGES
 }
 """Variants of the lamp."""

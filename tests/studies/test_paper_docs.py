@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -17,7 +18,7 @@ from realitygap.studies.paper.notes import NOTES
 from realitygap.studies.paper.readings import of_variant
 from realitygap.studies.paper.results import result_sections
 from realitygap.studies.paper.tables import StudyTables
-from realitygap.studies.paper.verdicts import ALIKE, FAILS, decide
+from realitygap.studies.paper.verdicts import ALIKE, FAILS, OPEN, decide
 
 DOCS = Path(__file__).parents[2] / "docs"
 STUDY = DOCS / "paper-study"
@@ -87,3 +88,16 @@ def test_the_committed_claims_are_those_of_the_committed_runs() -> None:
 def test_every_note_is_of_claims_that_exist() -> None:
     keys = {claim.key for claim in CLAIMS}
     assert all(set(note.claims) <= keys for note in NOTES)
+
+
+def test_the_earlier_set_is_told_as_today_s_rule_has_it() -> None:
+    runs = pd.read_parquet(STUDY / "pybullet.parquet")
+    runs = runs.assign(near_positive=np.nan, near_negative=np.nan)  # it kept no positions
+    none = pd.DataFrame(columns=["condition", "variant", "index", "minute", "s0_third"])
+    found = decide(StudyTables(runs, none, 60.0), 10)
+    told = (STUDY / "README.md").read_text(encoding="utf-8")
+    decided = found[found["verdict"] != OPEN]
+    assert len(decided) > 5
+    for row in decided.to_dict("records"):
+        (line,) = [line for line in told.splitlines() if line.startswith(f"| `{row['claim']}`:")]
+        assert line.endswith(f"): {row['verdict']} |")
