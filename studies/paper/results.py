@@ -18,11 +18,11 @@ from realitygap.studies.paper.sequential import MOST_RUNS, WRONG, boundary, look
 from realitygap.studies.paper.tables import TOUCH
 
 WEIGHED = (
-    "Each claim is an estimand, a range in which it is true, and a smallest effect that matters, "
-    "written down before the runs. One rule decides: if the whole interval means no difference "
-    "that matters, the claim is that; if it lies where the claim is true, it holds; if it lies "
-    "where the claim is false, it does not hold; else it is open. Intervals are as wide as a "
-    f"group-sequential boundary asks for, so that runs may be added until a claim is decided, up "
+    "Each claim is an estimand, a range in which it is true, and a smallest difference that "
+    "matters, written down before the runs. One rule decides: if the whole interval means no "
+    "difference that matters, the claim is that; if it lies where the claim is true, it holds; if "
+    "it lies where the claim is false, it does not hold; else it is open. Intervals are as wide as "
+    "a group-sequential boundary asks for, so that runs may be added until a claim is decided, up "
     f"to {MOST_RUNS} of a condition. In a family of claims the chance of any wrong verdict is at "
     f"most {WRONG:.0%}."
 )
@@ -101,7 +101,7 @@ def claims_view(claims: pd.DataFrame) -> PageTable:
     why = {claim.key: claim.because for claim in (*CLAIMS, *SELECTION, *NUMBER)}
     view = claims[["claim", "family", "text", "estimand"]].copy()
     view["estimate (interval)"] = [
-        f"{number(effect)} ({number(low)} to {number(high)})"
+        "–" if np.isnan(effect) else f"{number(effect)} ({number(low)} to {number(high)})"
         for effect, low, high in zip(claims["effect"], claims["low"], claims["high"], strict=True)
     ]
     for name in ("claimed", "alike"):
