@@ -71,7 +71,7 @@ def test_a_claim_that_holds_without_selection_proves_nothing() -> None:
 @pytest.mark.slow
 def test_a_study_of_readings_leaves_its_tables_figures_and_page(tmp_path: Path) -> None:
     out = tmp_path / "readings"
-    config = StudyConfig(study="readings", runs=2, minutes=0.2, robots=2)
+    config = StudyConfig(study="readings", runs=3, minutes=0.2, robots=2)
     run_study(config, out, Workers(2), quiet=True)
     names = {str(path.relative_to(out)) for path in out.rglob("*") if path.is_file()}
     expected = {"readings.csv", "dependence.csv", "study.parquet", "report.html"}
