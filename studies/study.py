@@ -84,6 +84,7 @@ def paper(
     out: Path | str,
     *,
     runs: int = 10,
+    until_decided: bool = False,
     minutes: float = 60.0,
     robots: int = 10,
     seed: int = 0,
@@ -98,7 +99,9 @@ def paper(
 
     Args:
         out: The study's directory; an unfinished one is resumed.
-        runs: Of each of the ten conditions.
+        runs: Of each of the eleven conditions.
+        until_decided: Add as many wherever a claim is open, up to 60 of a condition; then decide
+            the claims in other readings, without selection, and with other lamps.
         minutes: Simulated, of each run.
         robots: In a run.
         seed: Everything random follows from it.
@@ -116,6 +119,7 @@ def paper(
     on_board = None if model is None else str(model)
     asked: dict[str, Any] = {"runs": runs, "minutes": minutes, "robots": robots, "seed": seed}
     asked |= {"model": on_board, "engine": engine_name(engine), "rays": rays_name(rays)}
+    asked["until_decided"] = until_decided
     return _studied("paper", asked, Path(out), Workers.chosen(jobs, scheduler), quiet)
 
 

@@ -42,7 +42,9 @@ def run(
         str,
         typer.Option(
             help="coevolution, search, positive-phototaxis, negative-phototaxis, to-and-fro, "
-            "half-to-and-fro, or a manoeuvre, probe:NAME: " + ", ".join(NAMES) + "."
+            "half-to-and-fro, most-to-and-fro, or a manoeuvre, probe:NAME: "
+            + ", ".join(NAMES)
+            + "."
         ),
     ] = "coevolution",
     minutes: Minutes = 60.0,
@@ -67,7 +69,9 @@ def run(
             help="m, from 0.4 to 10; nest and lamps move with the wall, food stays as dense."
         ),
     ] = 0.6,
-    no_samples: Annotated[bool, typer.Option("--no-samples", help="No samples.parquet.")] = False,
+    no_samples: Annotated[
+        bool, typer.Option("--no-samples", help="Positions once a second, no samples.parquet.")
+    ] = False,
     force: Force = False,
     quiet: Quiet = False,
 ) -> Outcome:

@@ -39,8 +39,15 @@ def paper(
     out: StudyOut,
     runs: Annotated[
         int,
-        typer.Option(callback=within(1, MOST_RUNS), help="Runs of each of the ten conditions."),
+        typer.Option(callback=within(1, MOST_RUNS), help="Runs of each of the eleven conditions."),
     ] = 10,
+    until_decided: Annotated[
+        bool,
+        typer.Option(
+            "--until-decided",
+            help="Add --runs more wherever a claim is open, in other readings and lamps as well.",
+        ),
+    ] = False,
     minutes: Minutes = 60.0,
     robots: Robots = 10,
     seed: Seed = 0,
@@ -51,17 +58,18 @@ def paper(
     scheduler: Scheduler = None,
     quiet: Quiet = False,
 ) -> Outcome:
-    """Repeat section IV of the paper: eight conditions, figures 6 to 8, and every claim tested.
+    """Repeat section IV of the paper: its conditions, figures 6 to 8, and every claim decided.
 
-    Two conditions more try half of the robots with either controller that evolves at the nest.
-    Writes study.parquet (a row per run), generations.parquet, claims.csv, mixture.csv, results.md,
-    figures/ and report.html. Stopped or killed, the same command goes on with the runs that are
-    missing.
+    Three conditions more mix the two controllers that evolve at the nest. A claim holds, does not
+    hold, or means no difference that matters; else it is open. Writes study.parquet (a row per
+    run), generations.parquet, claims.csv, results.md, figures/ and report.html. Stopped or killed,
+    the same command goes on with the runs that are missing.
     """
     with resumable():
         found = rg.study.paper(
             out,
             runs=runs,
+            until_decided=until_decided,
             minutes=minutes,
             robots=robots,
             seed=seed,

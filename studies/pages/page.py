@@ -18,7 +18,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 
 from realitygap.studies.pages.glossary import Words
 
-VERDICTS = ("reproduced", "not reproduced", "undecided")
+VERDICTS = ("holds", "does not hold", "no difference that matters", "open")
 WIDTH = 110
 """Characters of a line of Markdown; our choice."""
 

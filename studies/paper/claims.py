@@ -1,274 +1,289 @@
-"""Every ordinal claim of the paper's section IV, each with a statistic decided beforehand."""
+"""Every ordinal claim of the paper's section IV.
+
+Each was written down with its estimand, the range in which it is true, and the smallest effect that
+matters, before the runs that decide it.
+"""
 
 from __future__ import annotations
 
 from realitygap.embedded_sim import SCENARIOS
-from realitygap.studies.paper.weighing import (
-    Claim,
-    all_more,
-    at_least,
-    falls,
-    least_spread,
-    less,
-    more,
-    persists,
-    ratio_within,
-    share,
-    spread_changes,
+from realitygap.studies.paper.kinds import (
+    AMOUNT,
+    AMOUNT_WHY,
+    CONVERGED,
+    CONVERGED_WHY,
+    MARGINAL,
+    SEVEN,
+    SLACK,
+    SPREAD,
+    SPREAD_WHY,
+    above_one,
+    against_half,
+    food,
+    within,
 )
+from realitygap.studies.paper.our_claims import LABOUR
+from realitygap.studies.paper.weighing import Names, persistence, ratio, spread, typical
 
-EQUIVALENT = (0.85, 1.0 / 0.85)
-"""Ratio of means called "as poorly as": within 15 %, our choice."""
-MARGINAL = (1.0, 1.25)
-"""Ratio of means called "only marginally better": a gain of at most a quarter, our choice."""
-ABOUT_SEVEN = (3.5, 14.0)
-"""Minutes called "approximately 7": within a factor of two, our choice."""
-MOST = 0.5
-"""Share of robots, or of minutes, called convergence."""
-
-NO_LIGHT = ("no-light", "fixed-search")
-WITH_LIGHT = (
+NO_LIGHT: Names = ("no-light", "fixed-search")
+WITH_LIGHT: Names = (
     *("at-nest", "opposite", "at-nest-to-opposite", "opposite-to-at-nest"),
     *("fixed-positive", "fixed-negative"),
 )
-SWITCHES = ("at-nest-to-opposite", "opposite-to-at-nest")
+SWITCHES: Names = ("at-nest-to-opposite", "opposite-to-at-nest")
+SWITCH_LABELS = ("At nest → opposite", "Opposite → at nest")
+FIRST_AT_NEST: Names = ("at-nest", "at-nest-to-opposite")
+FIRST_OPPOSITE: Names = ("opposite", "opposite-to-at-nest")
+"""The same experiment until the lamp moves: claims about the first half alone pool their runs."""
 OPPOSITE, AT_NEST = SCENARIOS.index("opposite"), SCENARIOS.index("at_nest")
 ALL_QUARTERS = ("q1", "q2", "q3", "q4")
-
-
-def _quarters(prefix: str, quarters: tuple[str, ...] = ALL_QUARTERS) -> tuple[str, ...]:
-    return tuple(f"{prefix}_{quarter}" for quarter in quarters)
-
-
-FOOD = (
-    Claim(
-        "search-equivalent",
-        "IV-A",
-        "Without light, co-evolution collects as little as the fixed search controller",
-        "food, ratio of means within 15 %",
-        ratio_within("no-light", "fixed-search", "food_total", EQUIVALENT),
-    ),
-    Claim(
-        "no-light-worst",
-        "IV-A",
-        "The two conditions without light collect least of all",
-        "food, least ratio of the six others to both pooled; Mann-Whitney, largest p",
-        all_more(WITH_LIGHT, (NO_LIGHT,), "food_total"),
-    ),
-    Claim(
-        "two-best",
-        "IV-A",
-        "Light at nest and the fixed positive controller collect most of all",
-        "food, least ratio of either to any of the six others; Mann-Whitney, largest p",
-        all_more(
-            ("at-nest", "fixed-positive"),
-            ("no-light", "opposite", *SWITCHES, "fixed-search", "fixed-negative"),
-            "food_total",
-        ),
-    ),
-    Claim(
-        "light-useful",
-        "IV-A",
-        "With light at the nest the swarm collects more than without light",
-        "food, ratio of means; Mann-Whitney",
-        more("at-nest", "no-light", "food_total"),
-    ),
-    Claim(
-        "opposite-marginal",
-        "IV-A",
-        "Light opposite the nest is only marginally better than no light",
-        "food, ratio of means to both conditions without light between 1 and 1.25",
-        ratio_within("opposite", NO_LIGHT, "food_total", MARGINAL),
-    ),
-    Claim(
-        "negative-excels",
-        "IV-A",
-        "The fixed negative controller collects more than co-evolution under the same light",
-        "food, ratio of means; Mann-Whitney",
-        more("fixed-negative", "opposite", "food_total"),
-    ),
-    Claim(
-        "switches-below-fixed",
-        "IV-A",
-        "Both cases with a moving light collect less than the two better fixed controllers",
-        "food, least ratio of either fixed to either case; Mann-Whitney, largest p",
-        all_more(("fixed-positive", "fixed-negative"), SWITCHES, "food_total"),
-    ),
-    Claim(
-        "first-half-better",
-        "IV-A",
-        "At nest → opposite collects more in its first half",
-        "food, second half over first; Wilcoxon",
-        falls("at-nest-to-opposite", "food_first", "food_second"),
-    ),
-    Claim(
-        "balanced",
-        "IV-A",
-        "Opposite → at nest is more balanced between halves than at nest → opposite",
-        "distance of the first half's share from one half, ratio of means; Mann-Whitney",
-        less("opposite-to-at-nest", "at-nest-to-opposite", "imbalance"),
-    ),
-    Claim(
-        "nest-converges-faster",
-        "IV-A",
-        "In the first half, more robots believe the truth with light at nest than opposite",
-        "share of robots in the right third in the second quarter, ratio; Mann-Whitney",
-        more(
-            ("at-nest", "at-nest-to-opposite"),
-            ("opposite", "opposite-to-at-nest"),
-            ("robots_at_nest_q2", "robots_opposite_q2"),
-        ),
-    ),
-)
-
 _FIXED_LIGHT = (
     ("no-light", "without light"),
     ("at-nest", "with light at nest"),
     ("opposite", "with light opposite"),
 )
 
+
+def _quarters(prefix: str, quarters: tuple[str, ...] = ALL_QUARTERS) -> Names:
+    return tuple(f"{prefix}_{quarter}" for quarter in quarters)
+
+
+FOOD = (
+    within(
+        ("search-equivalent", "Fig. 6"),
+        "Without light, co-evolution collects as little as the fixed search controller",
+        "food, ratio of means",
+        NO_LIGHT,
+        (food(*NO_LIGHT),),
+        (1.0 / AMOUNT, AMOUNT),
+        AMOUNT_WHY,
+    ),
+    above_one(
+        ("no-light-worst", "Fig. 6"),
+        "The two conditions without light collect least of all",
+        "food, least ratio of the six others to both pooled",
+        (*WITH_LIGHT, *NO_LIGHT),
+        *(ratio((name,), NO_LIGHT, "food_total") for name in WITH_LIGHT),
+    ),
+    above_one(
+        ("two-best", "Fig. 6"),
+        "Light at nest and the fixed positive controller collect most of all",
+        "food, least ratio of either to any of the six others",
+        (*WITH_LIGHT, *NO_LIGHT),
+        *(
+            food(best, other)
+            for best in ("at-nest", "fixed-positive")
+            for other in ("no-light", "opposite", *SWITCHES, "fixed-search", "fixed-negative")
+        ),
+    ),
+    above_one(
+        ("light-useful", "Fig. 6"),
+        "With light at the nest the swarm collects more than without light",
+        "food, ratio of means",
+        ("at-nest", "no-light"),
+        food("at-nest", "no-light"),
+    ),
+    within(
+        ("opposite-marginal", "Fig. 6"),
+        "Light opposite the nest is only marginally better than no light",
+        "food, ratio of means to both conditions without light",
+        ("opposite", *NO_LIGHT),
+        (ratio(("opposite",), NO_LIGHT, "food_total"),),
+        MARGINAL[0],
+        MARGINAL[2],
+        alike=MARGINAL[1],
+    ),
+    above_one(
+        ("negative-excels", "Fig. 6"),
+        "The fixed negative controller collects more than co-evolution under the same light",
+        "food, ratio of means",
+        ("fixed-negative", "opposite"),
+        food("fixed-negative", "opposite"),
+    ),
+    above_one(
+        ("switches-below-fixed", "Fig. 6"),
+        "Both cases with a moving light collect less than the two better fixed controllers",
+        "food, least ratio of either fixed to either case",
+        ("fixed-positive", "fixed-negative", *SWITCHES),
+        *(food(fixed, case) for fixed in ("fixed-positive", "fixed-negative") for case in SWITCHES),
+    ),
+    above_one(
+        ("first-half-better", "Fig. 6"),
+        "At nest → opposite collects more in its first half",
+        "food, first half over second, in the same runs",
+        (SWITCHES[0],),
+        ratio(SWITCHES[:1], SWITCHES[:1], ("food_first", "food_second")),
+    ),
+    above_one(
+        ("balanced", "Fig. 6"),
+        "Opposite → at nest is more balanced between halves than at nest → opposite",
+        "distance of the first half's share from one half, at nest → opposite over the other",
+        SWITCHES,
+        ratio(SWITCHES[:1], SWITCHES[1:], "imbalance"),
+    ),
+    above_one(
+        ("nest-converges-faster", "Fig. 6"),
+        "In the first half, more robots believe the truth with light at nest than opposite",
+        "share of robots in the right third in the second quarter, ratio",
+        (*FIRST_AT_NEST, *FIRST_OPPOSITE),
+        ratio(FIRST_AT_NEST, FIRST_OPPOSITE, ("robots_at_nest_q2", "robots_opposite_q2")),
+        matters=(CONVERGED, CONVERGED_WHY),
+    ),
+)
+
 RATE = (
     *(
-        Claim(
-            f"retrieval-falls-{name}",
-            "IV-B",
+        above_one(
+            (f"retrieval-falls-{name}", "Fig. 7"),
             f"Items come faster to the nest after half-time {where}",
-            "mean time from pick-up to nest, second half over first; Wilcoxon",
-            falls(name, "retrieval_first", "retrieval_second"),
+            "time from pick-up to nest, first half over second in the same runs, geometric means",
+            (name,),
+            typical(name, ("retrieval_first", "retrieval_second")),
         )
         for name, where in _FIXED_LIGHT
     ),
     *(
-        Claim(
-            f"spread-falls-{name}",
-            "IV-B",
+        above_one(
+            (f"spread-falls-{name}", "Fig. 7"),
             f"Runs differ less in retrieval time after half-time {where}",
-            "spread of retrieval time over runs, second half over first; Brown-Forsythe",
-            spread_changes(name, "retrieval_first", "retrieval_second", grows=False),
+            "spread over runs of retrieval time's logarithm, first half over second, paired",
+            (name,),
+            spread(name, name, ("retrieval_first", "retrieval_second")),
+            matters=(SPREAD, SPREAD_WHY),
         )
         for name, where in _FIXED_LIGHT
     ),
-    Claim(
-        "nest-least-spread",
-        "IV-B",
+    above_one(
+        ("nest-least-spread", "Fig. 7"),
         "Runs with light at nest differ less in retrieval time than the other two fixed lights",
-        "spread of retrieval time, largest ratio; Brown-Forsythe, largest p",
-        least_spread("at-nest", ("no-light", "opposite"), "retrieval_total"),
+        "spread over runs of retrieval time's logarithm, least ratio of another to it",
+        ("at-nest", "no-light", "opposite"),
+        *(
+            spread(other, "at-nest", ("retrieval_total", "retrieval_total"))
+            for other in ("no-light", "opposite")
+        ),
+        matters=(SPREAD, SPREAD_WHY),
     ),
     *(
-        Claim(
-            f"keeps-foraging-{name}",
-            "IV-B",
+        within(
+            (f"keeps-foraging-{name}", "adaptation"),
             f"{label}: the swarm is foraging again in the last quarter",
-            "food of the last quarter at least 0.85 of that without light; Mann-Whitney",
-            at_least(name, "no-light", "food_q4", 0.85),
+            "food of the last quarter, ratio of means to that without light",
+            (name, "no-light"),
+            (ratio((name,), ("no-light",), "food_q4"),),
+            *SLACK,
         )
-        for name, label in zip(SWITCHES, ("At nest → opposite", "Opposite → at nest"), strict=True)
+        for name, label in zip(SWITCHES, SWITCH_LABELS, strict=True)
     ),
     *(
-        Claim(
-            f"spread-grows-{name}",
-            "IV-B",
+        above_one(
+            (f"spread-grows-{name}", "Fig. 7"),
             f"{label}: runs differ more in retrieval time after the light has moved",
-            "spread of retrieval time over runs, second half over first; Brown-Forsythe",
-            spread_changes(name, "retrieval_first", "retrieval_second", grows=True),
+            "spread over runs of retrieval time's logarithm, second half over first, paired",
+            (name,),
+            spread(name, name, ("retrieval_second", "retrieval_first")),
+            matters=(SPREAD, SPREAD_WHY),
         )
-        for name, label in zip(SWITCHES, ("At nest → opposite", "Opposite → at nest"), strict=True)
+        for name, label in zip(SWITCHES, SWITCH_LABELS, strict=True)
     ),
-    Claim(
-        "segregation",
-        "IV-B",
+    above_one(
+        ("segregation", "adaptation"),
         "After opposite → at nest, robots with positive phototaxis work in seclusion",
-        "robots heard in a generation of the third quarter, those carrying food towards the light "
-        "minus those carrying it away; Wilcoxon (a stand-in: positions are not kept)",
-        share("opposite-to-at-nest", ("heard_positive_minus_negative",), 0.0, above=False),
+        "other robots within 0.2 m in the third quarter, of those carrying food away from the "
+        "light over those carrying it towards the light, in the same runs",
+        (SWITCHES[1],),
+        ratio(SWITCHES[1:], SWITCHES[1:], ("near_negative", "near_positive")),
+        matters=(CONVERGED, 'a quarter: "relative seclusion" is less company that can be seen'),
     ),
 )
 
 GENE = (
     *(
-        Claim(
+        against_half(
             f"mean-middle-{name}",
-            "IV-C",
             f"Mean S0 spends most of its time in the middle region {where}",
-            "share of minutes, above one half; Wilcoxon",
-            share(name, _quarters("mean_none"), MOST),
+            "share of minutes",
+            (name,),
+            _quarters("mean_none"),
         )
         for name, where in (_FIXED_LIGHT[0], _FIXED_LIGHT[2])
     ),
-    Claim(
+    against_half(
         "no-light-converges",
-        "IV-C",
         "Without light most robots end up believing in no light",
-        "share of robots in the last quarter, above one half; Wilcoxon",
-        share("no-light", ("robots_none_q4",), MOST),
+        "share of robots in the last quarter",
+        ("no-light",),
+        ("robots_none_q4",),
     ),
-    Claim(
+    against_half(
         "opposite-fails",
-        "IV-C",
         "With light opposite the swarm fails to converge on it",
-        "share of robots that believe it in the last quarter, below one half; Wilcoxon",
-        share("opposite", ("robots_opposite_q4",), MOST, above=False),
+        "share of robots that believe it in the last quarter",
+        ("opposite",),
+        ("robots_opposite_q4",),
+        most=False,
     ),
-    Claim(
+    against_half(
         "nest-converges",
-        "IV-C",
         "With light at nest most robots end up believing in it",
-        "share of robots in the last quarter, above one half; Wilcoxon",
-        share("at-nest", ("robots_at_nest_q4",), MOST),
+        "share of robots in the last quarter",
+        ("at-nest",),
+        ("robots_at_nest_q4",),
     ),
-    Claim(
+    against_half(
         "nest-mean-upper",
-        "IV-C",
         "With light at nest mean S0 occupies the upper region",
-        "share of minutes of the second half, above one half; Wilcoxon",
-        share("at-nest", _quarters("mean_at_nest", ("q3", "q4")), MOST),
+        "share of minutes of the second half",
+        ("at-nest",),
+        _quarters("mean_at_nest", ("q3", "q4")),
     ),
-    Claim(
+    against_half(
         "nest-positive",
-        "IV-C",
         "With light at nest the swarm carries food towards the light",
-        "share of robots with positive G0 in the second half, above one half; Wilcoxon",
-        share("at-nest", _quarters("g0_positive", ("q3", "q4")), MOST),
+        "share of robots with positive G0 in the second half",
+        ("at-nest",),
+        _quarters("g0_positive", ("q3", "q4")),
     ),
     *(
-        Claim(
+        against_half(
             f"search-evolves-{name}",
-            "IV-C",
             f"The controllers evolved {where} are based on search",
-            "share of robots with G0 of search in the second half, above one half; Wilcoxon",
-            share(name, _quarters("g0_search", ("q3", "q4")), MOST),
+            "share of robots with G0 of search in the second half",
+            (name,),
+            _quarters("g0_search", ("q3", "q4")),
         )
         for name, where in (_FIXED_LIGHT[0], _FIXED_LIGHT[2])
     ),
-    Claim(
+    against_half(
         "first-half-opposite",
-        "IV-C",
         "Opposite → at nest converges on the light opposite before it moves",
-        "share of robots in the second quarter, above one half; Wilcoxon",
-        share(("opposite", "opposite-to-at-nest"), ("robots_opposite_q2",), MOST),
+        "share of robots in the second quarter",
+        FIRST_OPPOSITE,
+        ("robots_opposite_q2",),
     ),
-    Claim(
+    against_half(
         "first-half-nest",
-        "IV-C",
         "At nest → opposite converges on the light at nest before it moves",
-        "share of robots in the second quarter, above one half; Wilcoxon",
-        share(("at-nest", "at-nest-to-opposite"), ("robots_at_nest_q2",), MOST),
+        "share of robots in the second quarter",
+        FIRST_AT_NEST,
+        ("robots_at_nest_q2",),
     ),
     *(
-        Claim(
-            f"persists-{name}",
-            "IV-C",
+        within(
+            (f"persists-{name}", "adaptation"),
             f"{label}: the old convergence lasts about 7 minutes after the light has moved",
-            "minutes until the share of robots in the old third is half-way to its end, "
-            "between 3.5 and 14",
-            persists(name, scenario, ABOUT_SEVEN),
+            "minutes until the share of robots in the old third is half-way to its end",
+            (name,),
+            (persistence(name, scenario),),
+            *SEVEN,
+            logarithmic=False,
         )
-        for name, label, scenario in (
-            (SWITCHES[0], "At nest → opposite", AT_NEST),
-            (SWITCHES[1], "Opposite → at nest", OPPOSITE),
-        )
+        for name, label, scenario in zip(SWITCHES, SWITCH_LABELS, (AT_NEST, OPPOSITE), strict=True)
     ),
 )
 
-CLAIMS = (*FOOD, *RATE, *GENE)
+PAPERS = (*FOOD, *RATE, *GENE)
+"""The paper's, in its order."""
+
+CLAIMS = (*PAPERS, *LABOUR)
+"""Those that the default reading decides."""

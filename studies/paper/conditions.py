@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import zlib
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from realitygap.reality import constants as k
 from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.reality.rays import DEFAULT_RAYS, RaysName
 from realitygap.studies.inputs.model import Model
@@ -16,6 +18,9 @@ from realitygap.studies.run.experiment import Case, Controller, Minutes, Robots,
 from realitygap.studies.run.settings import checked
 
 StudyName = Literal["paper", "readings"]
+
+LAMP_RANGE = 0.8
+"""m at which the nominal lamp's contrast fades: `reality.constants.LAMP_POWER` says why."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +45,16 @@ class Condition:
         return self.name if self.variant == "default" else f"{self.variant}.{self.name}"
 
 
+def _as_dense(robots: int) -> dict[str, Any]:
+    """So many robots in an arena in which ten would be as dense, its lamp seen as far across it."""
+    wider = float(np.sqrt(robots / 10.0))
+    return {
+        "robots": robots,
+        "arena_radius": k.ARENA_RADIUS * wider,
+        "lamp_range": LAMP_RANGE * wider,
+    }
+
+
 PAPER = (
     Condition("no-light", "No light", "no-light", "coevolution"),
     Condition("at-nest", "Light at nest", "light-at-nest", "coevolution"),
@@ -61,10 +76,21 @@ MIXTURE = (
         *("fixed-mixture", "Fixed mixture", "light-at-nest", "half-to-and-fro"),
         paired_with="fixed-positive",
     ),
+    Condition(
+        *("fixed-mixture-7-3", "Fixed mixture 7:3", "light-at-nest", "most-to-and-fro"),
+        paired_with="fixed-positive",
+    ),
 )
 """With light at the nest mostly two controllers evolve, that of `fixed-positive` and `to-and-fro`:
-the second alone, and half of each, on the seeds of the first alone. Not the
-paper's: they ask why co-evolution collects more than the fixed positive controller."""
+the second alone, half of each, and seven of the second with three of the first, on the seeds of the
+first alone. Not the paper's: they ask why co-evolution collects more than the fixed positive
+controller."""
+
+SIZED = tuple(
+    replace(PAPER[4], variant=f"robots{robots}", changes=_as_dense(robots))
+    for robots in (5, 20, 40)
+)
+"""Other numbers of robots, after whose relocation the light is useful again."""
 
 STUDIED = (*PAPER, *MIXTURE)
 COEVOLVED = PAPER[:5]
@@ -78,6 +104,9 @@ class StudyConfig(BaseModel):
 
     study: StudyName = "paper"
     runs: Annotated[int, Field(ge=1, le=10_000)] = 10
+    """Of each condition; until decided, of a batch."""
+    until_decided: bool = False
+    """Batches are added to conditions whose claims are open."""
     minutes: Minutes = 60.0
     robots: Robots = 10
     seed: Seed = 0
@@ -125,8 +154,16 @@ def run_seed(study_seed: int, condition: str, index: int) -> int:
     return int(sequence.generate_state(1, np.uint32)[0])
 
 
-def plan(study: StudyConfig, conditions: tuple[Condition, ...]) -> tuple[PlannedRun, ...]:
-    """All runs of a study, by condition and index."""
+def plan(
+    study: StudyConfig, conditions: Iterable[Condition], runs: Mapping[str, int] | None = None
+) -> tuple[PlannedRun, ...]:
+    """All runs of a study, by condition and index.
+
+    Args:
+        study: What is run.
+        conditions: Under which.
+        runs: Of each condition, by key; the study's `runs` if absent.
+    """
     return tuple(
         PlannedRun(
             name=f"{condition.key}-{index:02d}",
@@ -136,18 +173,17 @@ def plan(study: StudyConfig, conditions: tuple[Condition, ...]) -> tuple[Planned
                 case=condition.case,
                 controller=condition.controller,
                 minutes=study.minutes,
-                robots=study.robots,
                 seed=run_seed(study.seed, condition.paired_with or condition.key, index),
                 samples=False,
                 model=study.model,
                 engine=study.engine,
                 rays=study.rays,
-                **condition.changes,
+                **{"robots": study.robots, **condition.changes},
             ),
             model_hash=study.model_hash,
         )
         for condition in conditions
-        for index in range(study.runs)
+        for index in range(study.runs if runs is None else runs[condition.key])
     )
 
 

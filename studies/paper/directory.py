@@ -103,6 +103,12 @@ class StudyDirectory(Generic[Study, Run]):
             self._resume()
             yield self
 
+    def widen(self, runs: tuple[Run, ...]) -> None:
+        """From now on it is a directory of these runs; none that is finished is lost."""
+        self.runs = runs
+        self._notes.seeds = {run.name: run.config.seed for run in runs}
+        self._write()
+
     def path(self, run: Run) -> Path:
         """Where a run's files are."""
         return self._pieces.path(run.name)

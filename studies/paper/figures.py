@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from realitygap.studies.paper.conditions import COEVOLVED, LABELS, PAPER
+from realitygap.studies.paper.conditions import COEVOLVED, LABELS, LAMP_RANGE, PAPER
+from realitygap.studies.paper.readings import DEFAULT, LAMPS
 from realitygap.studies.paper.tables import StudyTables
 
 DARK, LIGHT, POINT = "#33658a", "#a9c6de", "#222222"
@@ -135,6 +136,34 @@ def beliefs(tables: StudyTables) -> Figure:
     panels[0, 1].legend(handles=handles, frameon=True, loc="upper right")
     for axes in panels[-1]:
         axes.set_xlabel("time (min)")
+    return figure
+
+
+def lamps(weighed: pd.DataFrame, claims: pd.DataFrame) -> Figure:
+    """Estimates of the claims of Fig. 6 against the lamp's range, with their intervals.
+
+    Args:
+        weighed: `readings.csv`.
+        claims: `claims.csv`, for where each is true.
+    """
+    ranges = {DEFAULT: LAMP_RANGE, **{name: one["lamp_range"] for name, one in LAMPS.items()}}
+    rows = weighed[weighed["variant"].isin(ranges) & (weighed["low"] > 0.0)]
+    ordered = claims[claims["family"] == "Fig. 6"]
+    figure = Figure(figsize=(13, 5.6), layout="constrained")
+    panels = figure.subplots(2, -(-len(ordered) // 2), sharex=True).flat
+    for axes, (_, claim) in zip(panels, ordered.iterrows(), strict=False):
+        found = rows[rows["claim"] == claim["claim"]]
+        at = found["variant"].map(ranges)
+        reach = [found["effect"] - found["low"], found["high"] - found["effect"]]
+        axes.errorbar(at, found["effect"], reach, fmt="o", color=DARK, capsize=3)
+        axes.axhspan(
+            claim["claimed_above"], min(claim["claimed_below"], 1e3), color=LIGHT, alpha=0.4
+        )
+        ends = [*found["low"], *found["high"], claim["claimed_above"]]
+        axes.set(yscale="log", ylim=(0.8 * min(ends), 1.25 * max(ends)))
+        axes.set_title(claim["claim"], fontsize=9)
+    figure.supxlabel("lamp's range (m)")
+    figure.supylabel("estimate (shaded: the claim is true)")
     return figure
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from realitygap.studies.paper.weighing import ABOVE_ONE, BELOW_ONE
-
 
 @dataclass(frozen=True)
 class Note:
@@ -13,7 +11,7 @@ class Note:
 
     label: str
     text: str
-    claims: tuple[str, ...] = ()
+    claims: tuple[str, ...]
     """Keys of the claims concerned."""
 
 
@@ -30,8 +28,8 @@ LAMP = Note(
 )
 MUTATION = Note(
     "s.d. 0.2, not 2",
-    "S0 mutates with a standard deviation of 0.2; the paper prints 2, on genes of range 1. What "
-    "that changes was judged by three runs of ten minutes of each variant only.",
+    "S0 mutates with a standard deviation of 0.2; the paper prints 2, on genes of range 1. The "
+    "literal reading has the printed one.",
     (
         *("two-best", "nest-converges-faster", "spread-falls-no-light", "spread-falls-at-nest"),
         *("spread-grows-opposite-to-at-nest", "mean-middle-no-light", "mean-middle-opposite"),
@@ -48,28 +46,9 @@ POOLED = Note(
     "runs.",
     ("nest-converges-faster", "first-half-opposite", "first-half-nest"),
 )
-STAND_IN = Note(
-    "stand-in",
-    "A study keeps no positions. Seclusion is judged by how many others a robot hears.",
-    ("segregation",),
-)
-ANY_DIFFERENCE = Note(
-    "any difference counts",
-    "The paper names no size, and none was set beforehand: however small a difference in the "
-    "claimed direction, it would count, whether or not it matters to anyone.",
-)
-NOTES = (LAMP, MUTATION, POOLED, STAND_IN, ANY_DIFFERENCE)
-
-ANY = (ABOVE_ONE, BELOW_ONE, (float("-inf"), 0.0))
-"""Ranges that begin at no difference at all."""
+NOTES = (LAMP, MUTATION, POOLED)
 
 
-def labels(claim: str, region: tuple[float, float]) -> list[str]:
-    """Labels of the notes that stand beside a claim.
-
-    Args:
-        claim: Its key.
-        region: Effects for which it holds.
-    """
-    concerned = [note.label for note in NOTES if claim in note.claims]
-    return [*concerned, *([ANY_DIFFERENCE.label] if region in ANY else [])]
+def labels(claim: str) -> list[str]:
+    """Labels of the notes that stand beside a claim, given its key."""
+    return [note.label for note in NOTES if claim in note.claims]

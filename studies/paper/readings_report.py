@@ -7,7 +7,7 @@ import seaborn as sns
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from realitygap.studies.pages.page import PageTable, Section, number, write_page
+from realitygap.studies.pages.page import VERDICTS, PageTable, Section, number, write_page
 from realitygap.studies.paper import figures
 from realitygap.studies.paper.conditions import LABELS, PlannedRun, StudyConfig
 from realitygap.studies.paper.directory import StudyDirectory
@@ -24,12 +24,13 @@ from realitygap.studies.plumbing.output import whole_file
 
 CAPTIONS |= {
     "readings-claims": "Every claim (rows) in every variant (columns): green where its 95 % "
-    "interval lies wholly where the claim is true, red where it is false, grey where it is open.",
+    "interval lies wholly where the claim is true, red where it is false, light red where there is "
+    "no difference that matters, grey where it is open.",
     "readings-food": "Mean items per run, conditions by variants; empty where a fixed controller "
     "cannot differ from the default.",
 }
-STANDS = ("fails", "open", "holds")
-COLORS = ("#d98880", "#d5d8dc", "#82c99b")
+COLORS = ("#82c99b", "#d98880", "#e5b8a8", "#d5d8dc")
+"""Of `VERDICTS`."""
 TEXT = (
     "Variants: sdS-RULE has S0 mutated with standard deviation S and genes out of range treated "
     "by RULE; default is sd0.2-clamp; literal broadcasts the S0 that has already moved on, with "
@@ -44,7 +45,7 @@ def write_readings(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.Dat
     """Make everything from the runs of a finished study; returns what the claims depend on."""
     out, study = directory.out, directory.study
     tables = collect(directory)
-    weighed = weigh_readings(tables, study.seed)
+    weighed = weigh_readings(tables)
     dependence, food = depends(weighed), mean_food(tables)
     write_parquet(tables.runs, out / "study.parquet")
     write_parquet(tables.generations, out / "generations.parquet")
@@ -104,7 +105,7 @@ def few_runs(study: StudyConfig) -> str:
 def _claims(weighed: pd.DataFrame) -> Figure:
     """A mosaic of what stands where, the effects written in it."""
     claims = list(dict.fromkeys(weighed["claim"]))
-    level = weighed.assign(level=weighed["stands"].map({name: i for i, name in enumerate(STANDS)}))
+    level = weighed.assign(level=weighed["verdict"].map(VERDICTS.index))
     levels, effects = (
         level.pivot(index="claim", columns="variant", values=values).reindex(
             index=claims, columns=list(VARIANTS)
@@ -114,12 +115,12 @@ def _claims(weighed: pd.DataFrame) -> Figure:
     figure = Figure(figsize=(13, 0.32 * len(claims) + 2.0), layout="constrained")
     axes = figure.subplots()
     sns.heatmap(
-        levels, cmap=ListedColormap(COLORS), vmin=-0.5, vmax=2.5, annot=effects.map(number),
+        levels, cmap=ListedColormap(COLORS), vmin=-0.5, vmax=3.5, annot=effects.map(number),
         fmt="", annot_kws={"size": 7, "color": "#222222"}, linewidths=0.5, cbar=False, ax=axes,
     )  # fmt: skip
     axes.set(xlabel="", ylabel="")
     axes.tick_params(axis="x", rotation=45)
-    axes.set_title("Claims by variant (numbers: effects; green holds, red fails, grey open)")
+    axes.set_title("Claims by variant (numbers: estimates; green holds, red does not, grey open)")
     return figure
 
 

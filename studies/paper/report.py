@@ -15,10 +15,11 @@ from realitygap.studies.paper import figures, gap_figures
 from realitygap.studies.paper.conditions import PlannedRun, StudyConfig
 from realitygap.studies.paper.directory import StudyDirectory
 from realitygap.studies.paper.gap_tables import controllers_table, gap_table
-from realitygap.studies.paper.mixture import evolved_table, mixture_table
+from realitygap.studies.paper.mixture import evolved_table
+from realitygap.studies.paper.readings import DEFAULT, LAMPS, depends, of_variant, told
 from realitygap.studies.paper.results import outcome, result_sections
+from realitygap.studies.paper.rounds import NUMBERED, SELECTED, verdicts_by_variant
 from realitygap.studies.paper.tables import StudyTables, collect
-from realitygap.studies.paper.verdicts import weigh_claims
 from realitygap.studies.plumbing.output import whole_file
 
 CAPTIONS = {
@@ -28,6 +29,8 @@ CAPTIONS = {
     "before and after half-time.",
     "fig8-s0": "Left: mean S0 of the swarm, boxed over runs, with the thirds shaded. Right: what "
     "the single robots believe, since a mean near 0.5 also comes from a mixture.",
+    "lamp-range": "Claims of Fig. 6 against the lamp's range, which the paper does not give: each "
+    "estimate with its interval, and where the claim is true (shaded).",
     "gap-course": "What the deployed controllers were promised by their simulators and what they "
     "earned in reality: by generation, and by what the robot believed.",
     "gap-parts": "The gap split into the winner's curse, the wrong scenario, and model error with "
@@ -36,27 +39,36 @@ CAPTIONS = {
 
 
 def write_report(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.DataFrame:
-    """Make everything from the runs of a finished study; returns the claims table."""
+    """Make everything from the runs that are there; returns the claims table."""
     out, study = directory.out, directory.study
-    tables = collect(directory)
+    everything = collect(directory)
+    tables = of_variant(everything, DEFAULT)
+    verdicts = verdicts_by_variant(everything, study.runs)
     fresh = fresh_fitness_of(study.model, study.robots, study.seed)
     gaps = decompose(tables.generations, fresh, study.minutes)
-    claims = weigh_claims(tables, study.seed)
-    runs = tables.runs.merge(_gap_of_runs(gaps), on=["condition", "variant", "run"], how="left")
+    across = [verdicts.pop(name) for name in (SELECTED, NUMBERED) if name in verdicts]
+    claims, weighed = pd.concat([verdicts[DEFAULT], *across]), told(verdicts)
+    keys = ["condition", "variant", "run"]
+    runs = everything.runs.merge(_gap_of_runs(gaps), on=keys, how="left")
     write_parquet(runs, out / "study.parquet")
-    write_parquet(tables.generations, out / "generations.parquet")
-    for name, frame in (
-        ("claims", claims),
-        ("mixture", mixture_table(tables, study.seed)),
-        ("evolved", evolved_table(tables)),
-        ("gap", gap_table(gaps)),
-        ("controllers", controllers_table(fresh.mean(axis=0))),
-    ):
+    write_parquet(everything.generations, out / "generations.parquet")
+    made = {
+        "claims": claims,
+        "evolved": evolved_table(tables),
+        "gap": gap_table(gaps),
+        "controllers": controllers_table(fresh.mean(axis=0)),
+    }
+    if len(verdicts) > 1:
+        made |= {"readings": weighed, "dependence": depends(weighed)}
+    for name, frame in made.items():
         write_csv(frame, out / f"{name}.csv")
     results = result_sections(study, out)
     with whole_file(out / "results.md", force=True) as part:
         part.write_text(markdown(results), encoding="utf-8")
     drawn = _figures(tables, gaps, out / "figures")
+    ranges = []
+    if weighed["variant"].isin(LAMPS).any():
+        ranges.append(draw(figures.lamps(weighed, claims), out / "figures" / "lamp-range"))
     with whole_file(out / "report.html", force=True) as part:
         write_page(
             part,
@@ -68,6 +80,7 @@ def write_report(directory: StudyDirectory[StudyConfig, PlannedRun]) -> pd.DataF
                 Section("What the robots believe", figures=[drawn["fig8-s0"]]),
                 *results[:-1],
                 replace(results[-1], figures=[drawn["gap-course"], drawn["gap-parts"]]),
+                *([Section("The lamp's range", figures=ranges)] if ranges else []),
                 *settings_sections(directory),
             ],
         )

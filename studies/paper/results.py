@@ -2,32 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from realitygap.studies.fitness_gap.anew import TRIALS
 from realitygap.studies.pages.page import VERDICTS, PageTable, Section, number
+from realitygap.studies.paper.claims import CLAIMS, PAPERS
 from realitygap.studies.paper.conditions import LABELS, STUDIED, StudyConfig
-from realitygap.studies.paper.mixture import mixture_text
+from realitygap.studies.paper.mixture import evolved_text
 from realitygap.studies.paper.notes import NOTES
-from realitygap.studies.paper.power import power_table, power_text
+from realitygap.studies.paper.our_claims import NUMBER, SELECTION
+from realitygap.studies.paper.sequential import MOST_RUNS, WRONG, boundary, looks, shares
+from realitygap.studies.paper.tables import TOUCH
 
 WEIGHED = (
-    "Each claim is a statistic decided before any result was seen. Every value is one run. Effects "
-    "carry 95 % bootstrap intervals. One rule decides in both directions. Reproduced: the estimate "
-    "lies where the claim is true, and p for it is below the bar. Not reproduced: the estimate "
-    "lies where it is false, and p against it, of the same test turned round, is below the same "
-    "bar."
+    "Each claim is an estimand, a range in which it is true, and a smallest difference that "
+    "matters, written down before the runs. One rule decides: if the whole interval means no "
+    "difference that matters, the claim is that; if it lies where the claim is true, it holds; if "
+    "it lies where the claim is false, it does not hold; else it is open. Intervals are as wide as "
+    "a group-sequential boundary asks for, so that runs may be added until a claim is decided, up "
+    f"to {MOST_RUNS} of a condition. In a family of claims the chance of any wrong verdict is at "
+    f"most {WRONG:.0%}."
 )
-UNDECIDED = (
-    "Undecided means that these runs neither support nor contradict the claim clearly enough for a "
-    "table of so many claims. It is no evidence for the paper and none against it, and more runs "
-    "may decide it either way."
+OPEN_TEXT = (
+    "Open means that these runs neither support nor contradict the claim: it is no evidence for "
+    "the paper and none against it."
 )
 
 
+COMPANY_TEXT = (
+    "Robots in the nest are a mean over the second half. Touching is the share of robots' seconds "
+    f"with another one's centre within {100 * TOUCH:g} cm."
+)
 GAP_TEXT = (
     "All in seconds of fitness (eq. 1) per generation of 60 s. The first table gives the gap and "
     "its parts by case and by what the robot believed; the second what each of the nine "
@@ -36,33 +44,33 @@ GAP_TEXT = (
 
 
 def outcome(claims: pd.DataFrame) -> str:
-    """How many claims came out how, and where the undecided ones point."""
-    counts = claims["verdict"].value_counts()
+    """How many of the paper's claims came out how."""
+    papers = claims[claims["claim"].isin([claim.key for claim in PAPERS])]
+    counts = papers["verdict"].value_counts()
     found = ", ".join(f"{counts.get(name, 0)} {name}" for name in VERDICTS)
-    astray = _astray(claims)
-    return f"Of {len(claims)} claims: {found} ({len(astray)} of these point against the paper)."
+    return f"Of {len(papers)} claims of the paper: {found}."
 
 
 def result_sections(study: StudyConfig, folder: Path) -> list[Section]:
-    """Food, claims, mixture and gap, from the tables that a study left in a folder.
+    """Food, claims, company and gap, from the tables that a study left in a folder.
 
     Args:
         study: What was run.
-        folder: With `study.parquet`, `claims.csv`, `mixture.csv`, `evolved.csv`, `gap.csv` and
-            `controllers.csv`.
+        folder: With `study.parquet`, `claims.csv`, `evolved.csv`, `gap.csv`, `controllers.csv`.
     """
     runs = pd.read_parquet(folder / "study.parquet")
-    names = ("claims", "mixture", "evolved", "gap", "controllers")
-    claims, mixture, evolved, gap, controllers = (
-        pd.read_csv(folder / f"{name}.csv") for name in names
+    runs = runs[runs["variant"] == "default"]
+    claims, evolved, gap, controllers = (
+        pd.read_csv(folder / f"{name}.csv") for name in ("claims", "evolved", "gap", "controllers")
     )
+    company = runs.groupby("label", sort=False)[["food_total", "crowd_nest", "touching"]].mean()
     return [
         Section("Items brought to the nest", tables=[PageTable.of(_food_view(runs))]),
         _claims_section(study, claims),
         Section(
-            "Why co-evolution collects more than the fixed positive controller",
-            mixture_text(mixture, evolved),
-            tables=[PageTable.of(_mixture_view(mixture)), PageTable.of(_evolved_view(evolved))],
+            "What evolves with light at the nest, and who is near whom",
+            (evolved_text(evolved), COMPANY_TEXT),
+            tables=[PageTable.of(_evolved_view(evolved)), PageTable.of(_company_view(company))],
         ),
         Section(
             "The reality gap",
@@ -73,51 +81,46 @@ def result_sections(study: StudyConfig, folder: Path) -> list[Section]:
 
 
 def _claims_section(study: StudyConfig, claims: pd.DataFrame) -> Section:
-    """How claims are weighed, what so many runs can decide, and every claim."""
-    astray = ", ".join(_astray(claims)) or "none"
+    """How claims are weighed, and every claim."""
+    bounds = boundary(shares(study.runs), WRONG / 10 / 2.0)
+    reach = ", ".join(f"{z:.2f} at {n}" for n, z in zip(looks(study.runs), bounds, strict=True))
     texts = [
         outcome(claims),
-        UNDECIDED,
-        f"Undecided with an estimate against the paper: {astray}.",
+        OPEN_TEXT,
         WEIGHED,
-        power_text(study.runs, len(claims)),
+        "The boundary of a family of ten, in standard errors of many runs, by runs of a condition: "
+        f"{reach}.",
         "What stands beside a claim:",
         *(f"{note.label}: {note.text}" for note in NOTES),
     ]
-    tables = [PageTable.of(power_table(study.runs, len(claims))), claims_view(claims)]
-    return Section("Claims of section IV", texts, tables=tables)
+    return Section("Claims of section IV", texts, tables=[claims_view(claims)])
 
 
 def claims_view(claims: pd.DataFrame) -> PageTable:
     """The claims as the page shows them."""
-    view = claims[["claim", "text", "statistic"]].copy()
-    view["effect (95 %)"] = [
-        f"{number(effect)} ({number(low)} to {number(high)})"
+    why = {claim.key: claim.because for claim in (*CLAIMS, *SELECTION, *NUMBER)}
+    view = claims[["claim", "family", "text", "estimand"]].copy()
+    view["estimate (interval)"] = [
+        "–" if np.isnan(effect) else f"{number(effect)} ({number(low)} to {number(high)})"
         for effect, low, high in zip(claims["effect"], claims["low"], claims["high"], strict=True)
     ]
-    view["claimed"] = [
-        claimed(low, high)
-        for low, high in zip(claims["claimed_above"], claims["claimed_below"], strict=True)
-    ]
-    view["points"] = [where or "–" for where in claims["points"].fillna("")]
-    view["p for"] = [number(value) for value in claims["p"]]
-    view["p against"] = [number(value) for value in claims["p_against"]]
+    for name in ("claimed", "alike"):
+        ends = zip(claims[f"{name}_above"], claims[f"{name}_below"], strict=True)
+        view[name] = [_range(*pair) for pair in ends]
+    view["because"] = [why[key] for key in claims["claim"]]
+    view["runs"] = claims["runs"].map(str)
     view["verdict"] = claims["verdict"]
     view["beside it"] = claims["notes"].fillna("")
     return PageTable.of(view)
 
 
-def claimed(low: float, high: float) -> str:
-    """The range in which a claim holds, as text."""
+def _range(low: float, high: float) -> str:
+    """A range, as text."""
+    if np.isnan(low):
+        return "–"
     if high == float("inf"):
         return f"> {number(low)}"
     return f"< {number(high)}" if low == float("-inf") else f"{number(low)} to {number(high)}"
-
-
-def _astray(claims: pd.DataFrame) -> Sequence[str]:
-    """Undecided claims whose estimate points against the paper."""
-    which = (claims["verdict"] == "undecided") & (claims["points"] == "against")
-    return claims.loc[which, "claim"].tolist()
 
 
 def _food_view(runs: pd.DataFrame) -> pd.DataFrame:
@@ -151,19 +154,13 @@ def _gap_view(table: pd.DataFrame) -> pd.DataFrame:
     return view.astype({"generations": object})
 
 
-def _mixture_view(mixture: pd.DataFrame) -> pd.DataFrame:
+def _company_view(company: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(
         {
-            "first": mixture["first"].map(LABELS),
-            "second": mixture["second"].map(LABELS),
-            "items of the first": mixture["food_first"].map(number),
-            "of the second": mixture["food_second"].map(number),
-            "difference (95 %)": [
-                f"{number(row['difference'])} ({number(row['low'])} to {number(row['high'])})"
-                for row in mixture.to_dict("records")
-            ],
-            "p, two-sided": mixture["p"].map(number),
-            "paired": mixture["paired"].map({True: "yes", False: "no"}),
+            "condition": company.index,
+            "items per run": company["food_total"].to_numpy(),
+            "robots in the nest": company["crowd_nest"].to_numpy(),
+            "touching": [f"{share:.1%}" for share in company["touching"]],
         }
     )
 

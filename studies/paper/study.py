@@ -11,6 +11,7 @@ from realitygap.studies.paper.readings import reading_conditions
 from realitygap.studies.paper.readings_report import dependence_line, write_readings
 from realitygap.studies.paper.report import write_report
 from realitygap.studies.paper.results import outcome
+from realitygap.studies.paper.rounds import Rounds
 from realitygap.studies.plumbing.execution import Workers
 
 
@@ -28,7 +29,10 @@ def run_study(study: StudyConfig, out: Path, workers: Workers, *, quiet: bool = 
     readings = study.study == "readings"
     runs = plan(study, reading_conditions() if readings else STUDIED)
     with StudyDirectory(out, study, runs).held() as directory:
-        execute(directory, workers, run_files, quiet=quiet)
+        if study.until_decided:
+            Rounds(directory, workers, write_report, quiet).finish()
+        else:
+            execute(directory, workers, run_files, quiet=quiet)
         if readings:
             return dependence_line(write_readings(directory))
         return outcome(write_report(directory))

@@ -6,7 +6,8 @@ where they happen; a generation counts where its middle lies.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import itertools
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,15 +17,24 @@ import pandas as pd
 
 from realitygap.embedded_sim import SCENARIOS
 from realitygap.embedded_sim.breeding import third
+from realitygap.reality.arena import ForagingArena
 from realitygap.studies.paper.conditions import PlannedRun, StudyConfig
 from realitygap.studies.paper.directory import StudyDirectory
+from realitygap.studies.run.experiment import HALVES, RunConfig
 
-HALVES = ("first", "second")
+PARTS = ("first", "second")
 QUARTERS = ("q1", "q2", "q3", "q4")
 BEHAVIOURS = ("negative", "search", "positive")
 """What a third of G0 or G1 selects (paper, Fig. 4)."""
 
+NEAR = 0.2
+"""m, between centres: within it a robot has company; three of its diameters."""
+TOUCH = 0.08
+"""m, between centres: nearly a robot's diameter and 1 cm, the least that two keep who avoid."""
+
 Array = npt.NDArray[np.float64]
+Known = dict[str, tuple[dict[str, Any], pd.DataFrame]]
+"""A run's row and its generations, by its name."""
 
 
 @dataclass(frozen=True)
@@ -38,22 +48,64 @@ class StudyTables:
     minutes: float
     """Length of a run."""
 
-    def values(self, condition: str, column: str, variant: str = "default") -> Array:
-        """A column of one condition, a value per run, in the order of the runs."""
-        rows = self.runs[(self.runs["condition"] == condition) & (self.runs["variant"] == variant)]
-        return rows[column].to_numpy(dtype=np.float64)
+    def first(self, runs: int) -> StudyTables:
+        """Of the first so many runs of every condition."""
+        return replace(
+            self,
+            runs=self.runs[self.runs["run"] < runs],
+            generations=self.generations[self.generations["index"] < runs],
+        )
+
+    def whole(self, key: str) -> int:
+        """Runs of a condition that are there, one after another from the first."""
+        there = set(_of(self.runs, key)["run"])
+        return next(at for at in itertools.count() if at not in there)
+
+    def values(self, key: str, column: str) -> Array:
+        """A column of one condition, a value per run, in the order of the runs.
+
+        Args:
+            key: Of the condition: its name, after its variant and a dot unless that is the default.
+            column: Of `runs`.
+        """
+        return _of(self.runs, key)[column].to_numpy(dtype=np.float64)
+
+    def curves(self, key: str, column: str) -> Array:
+        """Mean of a column over the generations whose middle lies in a minute: (runs, minutes)."""
+        rows = _of(self.generations, key)
+        minutes = max(1, round(self.minutes))
+        minute = np.minimum(rows["minute"].astype(int), minutes - 1)
+        found = rows[column].groupby([rows["index"], minute]).mean().unstack(level=1)
+        whole = found.reindex(columns=range(minutes)).ffill(axis=1).bfill(axis=1)
+        return whole.to_numpy(dtype=np.float64)
 
 
-def collect(directory: StudyDirectory[StudyConfig, PlannedRun]) -> StudyTables:
-    """Read every run of a finished study."""
-    rows, generations = [], []
+def _of(table: pd.DataFrame, key: str) -> pd.DataFrame:
+    """Rows of a condition, by its key."""
+    variant, _, condition = key.rpartition(".")
+    return table[(table["condition"] == condition) & (table["variant"] == (variant or "default"))]
+
+
+def collect(
+    directory: StudyDirectory[StudyConfig, PlannedRun], known: Known | None = None
+) -> StudyTables:
+    """Read every run of a study.
+
+    Args:
+        directory: The study's, its runs finished.
+        known: Rows of runs that were read before, by name; grows.
+    """
+    known = {} if known is None else known
     for run in directory.runs:
-        path = directory.path(run)
-        evolved = _generations(run, path)
-        rows.append({**_who(run), **_food(run, path), **_genes(run, evolved)})
-        generations.append(evolved)
+        if run.name not in known:
+            path = directory.path(run)
+            evolved = _generations(run, path)
+            places = pd.read_parquet(path / "positions.parquet")
+            row = {**_who(run), **_food(run, path), **_genes(run, evolved)}
+            known[run.name] = {**row, **company(places, evolved, run.config)}, evolved
+    rows, generations = zip(*(known[run.name] for run in directory.runs), strict=True)
     return StudyTables(
-        runs=pd.DataFrame(rows),
+        runs=pd.DataFrame(list(rows)),
         generations=pd.concat(generations, ignore_index=True),
         minutes=directory.study.minutes,
     )
@@ -95,7 +147,7 @@ def _food(run: PlannedRun, path: Path) -> dict[str, Any]:
     quarter = np.minimum(deposits["t"] / end * 4.0, 3.999).astype(int)
     carried = deposits["t"] - deposits["t_pickup"]
     row: dict[str, Any] = {"food_total": len(deposits)}
-    for at, name in enumerate(HALVES):
+    for at, name in enumerate(PARTS):
         row[f"food_{name}"] = int((half == at).sum())
     for at, name in enumerate(QUARTERS):
         row[f"food_{name}"] = int((quarter == at).sum())
@@ -103,9 +155,9 @@ def _food(run: PlannedRun, path: Path) -> dict[str, Any]:
     row["share_first"] = row["food_first"] / total if total else np.nan
     row["imbalance"] = abs(row["share_first"] - 0.5)
     row["retrieval_total"] = carried.mean()
-    for at, name in enumerate(HALVES):
+    for at, name in enumerate(PARTS):
         row[f"retrieval_{name}"] = carried[half == at].mean()
-    for name in HALVES:
+    for name in PARTS:
         items = row[f"food_{name}"]
         row[f"interval_{name}"] = end / 2.0 / items if items else np.nan
     return row
@@ -128,10 +180,55 @@ def _genes(run: PlannedRun, generations: pd.DataFrame) -> dict[str, Any]:
             row[f"mean_{scenario}_{quarter}"] = _share(mean == number)
         for number, behaviour in enumerate(BEHAVIOURS):
             row[f"g0_{behaviour}_{quarter}"] = _share(within["g0_third"].to_numpy() == number)
-    after = generations[part == 2]
-    heard = [after.loc[after["g0_third"] == which, "heard"].mean() for which in (2, 0)]
-    row["heard_positive_minus_negative"] = heard[0] - heard[1]
+    truth, late = HALVES[run.config.case][1], generations[part >= 2]
+    right = late["s0_third"] == truth
+    for name, which in (("right", right), ("wrong", ~right)):
+        row[f"earned_{name}"] = float(late.loc[which, "fitness_real"].mean())
     return row
+
+
+def company(places: pd.DataFrame, generations: pd.DataFrame, run: RunConfig) -> dict[str, float]:
+    """Who is near whom, from measured positions once a second.
+
+    Args:
+        places: `positions.parquet` of a run.
+        generations: Of the same run, with `g0_third`.
+        run: What was run.
+
+    Returns:
+        crowd_nest: robots in the nest, mean over the second half.
+        touching: share of robots' seconds with another one within `TOUCH`.
+        near_positive, near_negative: others within `NEAR` in the third quarter, of robots that
+        carry food towards the light and away from it; NaN where there are none.
+    """
+    robots = run.robots
+    xy = places[["x", "y"]].to_numpy(dtype=np.float64).reshape(-1, robots, 2)
+    seconds = places["t"].to_numpy(dtype=np.float64).reshape(-1, robots)[:, 0]
+    apart = np.linalg.norm(xy[:, :, None] - xy[:, None], axis=-1)
+    apart[:, np.arange(robots), np.arange(robots)] = np.inf
+    near, end = (apart < NEAR).sum(axis=2), run.minutes * 60.0
+    *nest, radius = ForagingArena(run.arena_radius).nest
+    at_nest = np.linalg.norm(xy - nest, axis=-1) < radius
+    row = {
+        "crowd_nest": float(at_nest[seconds >= end / 2.0].sum(axis=1).mean()),
+        "touching": float((apart < TOUCH).any(axis=2).mean()),
+    }
+    third_of = _running(generations, seconds, robots)
+    after = (seconds >= end / 2.0) & (seconds < end * 0.75)
+    for name, which in (("near_positive", 2), ("near_negative", 0)):
+        of_kind = (third_of == which) & after[:, None]
+        row[name] = float(near[of_kind].mean()) if of_kind.any() else np.nan
+    return row
+
+
+def _running(generations: pd.DataFrame, seconds: Array, robots: int) -> npt.NDArray[np.int8]:
+    """(seconds, robots) third of the G0 that runs on each robot; -1 before it is switched on."""
+    running = np.empty((len(seconds), robots), dtype=np.int8)
+    for robot in range(robots):
+        rows = generations[generations["robot"] == robot]
+        thirds = np.append(np.int8(-1), rows["g0_third"].to_numpy())
+        running[:, robot] = thirds[np.searchsorted(rows["t_start"], seconds, side="right")]
+    return running
 
 
 def swarm_mean(generations: pd.DataFrame) -> pd.Series[float]:

@@ -1,71 +1,153 @@
-"""The claims table: every claim weighed, and judged by one rule in both directions.
+"""The claims table: every claim looked at with each batch of runs, and judged by one rule.
 
-Reproduced: the estimate lies where the claim is true and the test for it is clear enough for the
-whole table. Not reproduced: the estimate lies where it is false and the same test turned round is
-as clear. Everything else is undecided.
+An interval that wholly means no difference that matters, that the claim holds, or that it does not
+hold, decides; any other leaves the claim open. Its width is that of the sequential boundary.
 """
 
 from __future__ import annotations
 
-import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from scipy.stats import norm, t
 
-from realitygap.studies.paper.claims import CLAIMS
+from realitygap.studies.pages.page import VERDICTS
+from realitygap.studies.paper.claims import CLAIMS, PAPERS
 from realitygap.studies.paper.notes import labels
-from realitygap.studies.paper.statistics import FEWEST, ClaimEvidence, needed
+from realitygap.studies.paper.sequential import WRONG, boundary, looks, shares
 from realitygap.studies.paper.tables import StudyTables
-from realitygap.studies.paper.weighing import Claim
+from realitygap.studies.paper.weighing import Claim, Jackknifed, Range, weigh
+
+HOLDS, FAILS, ALIKE, OPEN = VERDICTS
 
 
-def weigh_claims(tables: StudyTables, seed: int) -> pd.DataFrame:
-    """The claims table, a row per claim in the paper's order.
+@dataclass(frozen=True)
+class Verdict:
+    """A claim at the look that decided it, or at the last one."""
+
+    verdict: str
+    effect: float
+    low: float
+    high: float
+    runs: int
+    """In the smallest sample."""
+    bound: float
+    """Standard errors that the interval reaches to either side, of many runs."""
+
+
+def judge(low: float, high: float, claimed: Range, alike: Range | None) -> str:
+    """The three-way rule, the same to both sides."""
+    if not np.isfinite([low, high]).all():
+        return OPEN
+    if alike is not None and alike[0] < low and high < alike[1]:
+        return ALIKE
+    if claimed[0] < low and high < claimed[1]:
+        return HOLDS
+    return FAILS if high < claimed[0] or claimed[1] < low else OPEN
+
+
+def decide(tables: StudyTables, batch: int, claims: Sequence[Claim] = CLAIMS) -> pd.DataFrame:
+    """The claims table, a row per claim in the order given.
+
+    Families are tested as Benjamini and Bogomolov (2014) do: in a family the chance of any wrong
+    verdict is 5 % times the share of families in which anything is decided.
 
     Args:
         tables: Of one study and one variant.
-        seed: The study's; every claim resamples from a stream of its own.
+        batch: Runs between two looks.
+        claims: Those to decide.
     """
-    evidence = weigh(tables, seed)
-    return pd.DataFrame([_row(*row) for row in zip(CLAIMS, evidence, strict=True)])
+    weighed = [_looked(claim, tables, batch) for claim in claims]
+    families = [claim.family for claim in claims]
+    sizes = {family: families.count(family) for family in families}
+    found: list[Verdict] = []
+    for selected in range(len(sizes), 0, -1):
+        found = []
+        for claim, estimates in zip(claims, weighed, strict=True):
+            chance = WRONG * selected / len(sizes) / sizes[claim.family]
+            found.append(_first(claim, estimates, batch, chance))
+        told = {f for f, one in zip(families, found, strict=True) if one.verdict != OPEN}
+        if len(told) >= selected:
+            break
+    return pd.DataFrame([_row(*one) for one in zip(claims, found, strict=True)])
 
 
-def weigh(tables: StudyTables, seed: int) -> list[ClaimEvidence]:
-    """The evidence for each of `CLAIMS`."""
-    evidence = []
-    for claim in CLAIMS:
-        stream = np.random.SeedSequence(seed, spawn_key=(zlib.crc32(claim.key.encode()),))
-        evidence.append(claim.weigh(tables, np.random.default_rng(stream)))
-    return evidence
+def alone(tables: StudyTables, claims: Sequence[Claim] = PAPERS) -> pd.DataFrame:
+    """The claims table of all runs in one look, each claim as if it were the only one."""
+    found = []
+    for claim in claims:
+        estimates = [weigh(one, tables) for one in claim.comparisons]
+        found.append(_at(claim, estimates, float(norm.isf(WRONG / 2.0))))
+    return pd.DataFrame([_row(*one) for one in zip(claims, found, strict=True)])
 
 
-def _row(claim: Claim, evidence: ClaimEvidence) -> dict[str, object]:
-    low, high = evidence.region
+def still_open(table: pd.DataFrame, claims: Sequence[Claim] = CLAIMS) -> list[Claim]:
+    """The claims that a table leaves open."""
+    names = set(table.loc[table["verdict"] == OPEN, "claim"])
+    return [claim for claim in claims if claim.key in names]
+
+
+def _looked(claim: Claim, tables: StudyTables, batch: int) -> list[list[Jackknifed]]:
+    """The estimates of a claim's comparisons at every look for which all its runs are there."""
+    there = min(tables.whole(name) for name in claim.conditions)
+    return [
+        [weigh(one, tables.first(runs)) for one in claim.comparisons]
+        for runs in looks(batch)
+        if runs <= there
+    ]
+
+
+def _first(claim: Claim, looked: list[list[Jackknifed]], batch: int, chance: float) -> Verdict:
+    """At the first look that decides, or the last."""
+    nothing = float("nan")
+    found = Verdict(OPEN, nothing, nothing, nothing, 0, nothing)
+    bounds = boundary(shares(batch), chance / 2.0)
+    for estimates, bound in zip(looked, bounds, strict=False):
+        found = _at(claim, estimates, bound)
+        if found.verdict != OPEN:
+            break
+    return found
+
+
+def _at(claim: Claim, estimates: list[Jackknifed], bound: float) -> Verdict:
+    """At one look, with intervals of `bound` standard errors, more for few runs."""
+    runs, chance = min(one.runs for one in estimates), float(norm.sf(bound))
+    effect, low, high = (
+        min(one.value for one in estimates),
+        min(one.value - _reach(one, chance) for one in estimates),
+        # any of them that is too small speaks against the claim, at the price of their number
+        min(one.value + _reach(one, chance / len(estimates)) for one in estimates),
+    )
+    if any(np.isnan(one.value) for one in estimates):
+        effect = low = high = float("nan")
+    elif claim.logarithmic:
+        effect, low, high = (float(np.exp(x)) for x in (effect, low, high))
+    return Verdict(judge(low, high, claim.claimed, claim.alike), effect, low, high, runs, bound)
+
+
+def _reach(one: Jackknifed, chance: float) -> float:
+    """How far an interval reaches to a side, for a one-sided chance."""
+    return float(t.isf(chance, one.freedom)) * one.error
+
+
+def _row(claim: Claim, found: Verdict) -> dict[str, object]:
+    none = (float("nan"), float("nan"))
     return {
         "claim": claim.key,
-        "section": claim.section,
+        "family": claim.family,
         "text": claim.text,
-        "statistic": claim.statistic,
-        "effect": evidence.effect,
-        "low": evidence.low,
-        "high": evidence.high,
-        "claimed_above": low,
-        "claimed_below": high,
-        "points": evidence.points,
-        "p": evidence.p,
-        "p_against": evidence.p_against,
-        "runs": evidence.runs,
-        "verdict": verdict(evidence),
-        "notes": "; ".join(labels(claim.key, evidence.region)),
+        "estimand": claim.estimand,
+        "effect": found.effect,
+        "low": found.low,
+        "high": found.high,
+        "claimed_above": claim.claimed[0],
+        "claimed_below": claim.claimed[1],
+        "alike_above": (claim.alike or none)[0],
+        "alike_below": (claim.alike or none)[1],
+        "runs": found.runs,
+        "bound": found.bound,
+        "verdict": found.verdict,
+        "notes": "; ".join(labels(claim.key)),
     }
-
-
-def verdict(evidence: ClaimEvidence, claims: int = len(CLAIMS)) -> str:
-    """Reproduced, not reproduced or undecided, in a table of so many claims."""
-    if evidence.runs < FEWEST:
-        return "undecided"
-    if evidence.points == "with" and evidence.p < needed(claims):
-        return "reproduced"
-    if evidence.points == "against" and evidence.p_against < needed(claims):
-        return "not reproduced"
-    return "undecided"

@@ -1,241 +1,217 @@
-"""Kinds of claim: what is compared with what, decided before any number is seen.
+"""What a claim compares: an estimate with its error, and ranges that mean something.
 
-Each function makes a claim's `weigh`: from the tables of one variant and a random stream to the
-evidence, for and against. Names of conditions are those of `PAPER`; several are pooled.
+Every estimand is a number on a scale where differences add up: logarithms of ratios, shares,
+minutes. Its error is the jackknife's over runs, which pairs what the same run says twice.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
-from realitygap.studies.paper.persistence import half_life, old_third_curves
-from realitygap.studies.paper.statistics import (
-    Array,
-    ClaimEvidence,
-    Statistic,
-    brown_forsythe,
-    inside,
-    interval,
-    largest,
-    mann_whitney,
-    mean,
-    outside,
-    ratio,
-    smallest,
-    smallest_ratio,
-    spread_ratio,
-    wilcoxon,
-)
-from realitygap.studies.paper.tables import StudyTables
+from realitygap.studies.paper.persistence import half_life, old_third_curves, recovery
+from realitygap.studies.paper.tables import Array, StudyTables
 
-Weigh = Callable[[StudyTables, np.random.Generator], ClaimEvidence]
-Names = str | tuple[str, ...]
-Both = tuple[float, float]
-"""p for a claim and p against it."""
+Names = tuple[str, ...]
+Range = tuple[float, float]
+Statistic = Callable[[Sequence[Array]], float]
+Read = Callable[[StudyTables], list[Array]]
+"""Samples, a row per run each."""
+Family = Literal["Fig. 6", "Fig. 7", "Fig. 8", "adaptation", "labour", "selection", "number"]
+
+FEWEST = 3
+"""Runs below which a jackknife says nothing; our choice."""
+INFINITE = float("inf")
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One estimand: what is read from the tables, and the number made of it."""
+
+    read: Read
+    statistic: Statistic
+    paired: bool
+    """The samples are of the same runs."""
 
 
 @dataclass(frozen=True)
 class Claim:
-    """One sentence of section IV, and how it is weighed."""
+    """One sentence, and how it is weighed; written down before any run that decides it."""
 
     key: str
-    section: str
+    family: Family
     text: str
-    statistic: str
-    weigh: Weigh
+    estimand: str
+    conditions: Names
+    """Whose runs it needs."""
+    comparisons: tuple[Comparison, ...]
+    """The least of them decides: the claim needs all."""
+    claimed: Range
+    """Estimands for which the sentence is true, as shown."""
+    alike: Range | None
+    """Estimands that are as good as no difference; None: the claim is itself a range."""
+    because: str
+    """Why that much is the smallest effect that matters."""
+    logarithmic: bool = True
+    """The estimand is shown as a ratio and weighed as its logarithm."""
 
 
-ABOVE_ONE = (1.0, float("inf"))
-BELOW_ONE = (float("-inf"), 1.0)
+@dataclass(frozen=True)
+class Jackknifed:
+    """An estimate, on the scale where differences add up."""
+
+    value: float
+    error: float
+    freedom: float
+    """Degrees of freedom of the error (Welch and Satterthwaite)."""
+    runs: int
+    """In the smallest sample."""
 
 
-def more(above: Names, below: Names, column: str | tuple[str, str]) -> Weigh:
-    """Runs of `above` have more of `column` than those of `below`: ratio of means, Mann-Whitney.
+def weigh(comparison: Comparison, tables: StudyTables) -> Jackknifed:
+    """The estimate and its jackknife error; NaN where runs are too few or it does not exist."""
+    samples = comparison.read(tables)
+    if comparison.paired:
+        whole = np.all([_whole(sample) for sample in samples], axis=0)
+        samples = [sample[whole] for sample in samples]
+    else:
+        samples = [sample[_whole(sample)] for sample in samples]
+    runs = min(len(sample) for sample in samples)
+    nothing = Jackknifed(float("nan"), float("nan"), float("nan"), runs)
+    if runs < FEWEST:
+        return nothing
+    groups = (
+        [list(range(len(samples)))] if comparison.paired else [[i] for i in range(len(samples))]
+    )
+    variances, freedoms = [], []
+    for group in groups:
+        number = len(samples[group[0]])
+        left = np.array([_without(comparison.statistic, samples, group, i) for i in range(number)])
+        variances.append((number - 1) / number * float(np.sum((left - left.mean()) ** 2)))
+        freedoms.append(number - 1)
+    total = sum(variances)
+    parts = sum(v**2 / f for v, f in zip(variances, freedoms, strict=True))
+    freedom = total**2 / parts if parts else float(min(freedoms))
+    value = comparison.statistic(samples)
+    return (
+        Jackknifed(value, float(np.sqrt(total)), freedom, runs) if np.isfinite(value) else nothing
+    )
 
-    Several conditions are pooled; two columns are for `above` and `below`.
+
+def log_ratio(samples: Sequence[Array]) -> float:
+    """Logarithm of the ratio of means."""
+    return _log(float(samples[0].mean()), float(samples[1].mean()))
+
+
+def log_typical(samples: Sequence[Array]) -> float:
+    """Logarithm of the ratio of geometric means: for times, which are skewed."""
+    return float(np.log(samples[0]).mean() - np.log(samples[1]).mean())
+
+
+def log_spread(samples: Sequence[Array]) -> float:
+    """Logarithm of the ratio of spreads: mean distances of logarithms from their median."""
+    logs = [np.log(sample) for sample in samples]
+    first, second = (float(np.abs(one - np.median(one)).mean()) for one in logs)
+    return _log(first, second)
+
+
+def mean(samples: Sequence[Array]) -> float:
+    """Mean of the first."""
+    return float(samples[0].mean())
+
+
+def ratio(
+    above: Names, below: Names, column: str | tuple[str, str], pairs: bool = False
+) -> Comparison:
+    """Mean of `above` over that of `below`; several conditions are pooled.
+
+    Args:
+        above: Conditions.
+        below: Conditions; of the same runs if they are the same.
+        column: Of both, or one for each.
+        pairs: Runs of the two have the same seeds.
     """
     first, second = (column, column) if isinstance(column, str) else column
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
-        samples = [_pool(tables, above, first), _pool(tables, below, second)]
-        return _evidence(ratio, samples, random, _greater(*samples), ABOVE_ONE)
+    def read(tables: StudyTables) -> list[Array]:
+        return [_pool(tables, above, first), _pool(tables, below, second)]
 
-    return weigh
-
-
-def less(below: Names, above: Names, column: str) -> Weigh:
-    """Runs of `below` have less of `column`: ratio of means, Mann-Whitney."""
-
-    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
-        samples = [_pool(tables, below, column), _pool(tables, above, column)]
-        p = _greater(samples[1], samples[0])
-        return _evidence(ratio, samples, random, p, BELOW_ONE)
-
-    return weigh
+    return Comparison(read, log_ratio, pairs or above == below)
 
 
-def all_more(above: Sequence[Names], below: Sequence[Names], column: str) -> Weigh:
-    """Each of `above` has more than each of `below`: the least ratio, the largest p.
+def typical(condition: str, columns: tuple[str, str]) -> Comparison:
+    """Geometric mean of the first column over that of the second, in the same runs."""
 
-    Against it: one of `below` has more than one of `above`, the smallest p times their number.
-    """
+    def read(tables: StudyTables) -> list[Array]:
+        return [tables.values(condition, column) for column in columns]
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
-        high = [_pool(tables, names, column) for names in above]
-        low = [_pool(tables, names, column) for names in below]
-        p = _all_of([_greater(a, b) for a in high for b in low])
-        statistic = partial(smallest_ratio, split=len(high))
-        return _evidence(statistic, [*high, *low], random, p, ABOVE_ONE)
-
-    return weigh
+    return Comparison(read, log_typical, True)
 
 
-def ratio_within(above: Names, below: Names, column: str, region: tuple[float, float]) -> Weigh:
-    """The ratio of means lies in a region: shares of resamples outside it, and inside."""
+def spread(wide: str, narrow: str, columns: tuple[str, str]) -> Comparison:
+    """Spread over runs of the first column in `wide`, over that of the second in `narrow`."""
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
-        samples = [_pool(tables, above, column), _pool(tables, below, column)]
-        return _evidence(ratio, samples, random, None, region)
+    def read(tables: StudyTables) -> list[Array]:
+        return [tables.values(wide, columns[0]), tables.values(narrow, columns[1])]
 
-    return weigh
-
-
-def at_least(above: Names, below: Names, column: str, margin: float) -> Weigh:
-    """Not less than `margin` times the other: Mann-Whitney against the scaled sample."""
-
-    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
-        samples = [_pool(tables, above, column), _pool(tables, below, column)]
-        p = _greater(samples[0], margin * samples[1])
-        return _evidence(ratio, samples, random, p, (margin, float("inf")))
-
-    return weigh
+    return Comparison(read, log_spread, wide == narrow)
 
 
-def falls(condition: str, before: str, after: str) -> Weigh:
-    """The second column is less than the first in the same runs: ratio of means, Wilcoxon."""
+def share(names: Names, columns: Names) -> Comparison:
+    """Mean of columns of each run; runs in which it does not occur are left out."""
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
-        samples = [tables.values(condition, after), tables.values(condition, before)]
-        p = _positive(samples[1] - samples[0])
-        return _evidence(ratio, samples, random, p, BELOW_ONE, paired=True)
+    def read(tables: StudyTables) -> list[Array]:
+        return [np.mean([_pool(tables, names, column) for column in columns], axis=0)]
 
-    return weigh
+    return Comparison(read, mean, True)
 
 
-def spread_changes(condition: str, before: str, after: str, *, grows: bool) -> Weigh:
-    """The second column is more, or less, spread than the first: Brown-Forsythe."""
+def persistence(condition: str, scenario: int) -> Comparison:
+    """Minutes until belief in the old scenario has fallen half-way."""
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
-        late, early = tables.values(condition, after), tables.values(condition, before)
-        p = _wider(late, early) if grows else _wider(early, late)
-        region = ABOVE_ONE if grows else BELOW_ONE
-        return _evidence(spread_ratio, [late, early], random, p, region, paired=True)
+    def read(tables: StudyTables) -> list[Array]:
+        return [old_third_curves(tables, condition, scenario)]
 
-    return weigh
+    def statistic(samples: Sequence[Array]) -> float:
+        return half_life(samples[0], samples[0].shape[1] // 2)
 
-
-def least_spread(condition: str, others: Sequence[str], column: str) -> Weigh:
-    """A condition is less spread than each of the others: the largest ratio, the largest p.
-
-    Against it: it is more spread than one of them, the smallest p times their number.
-    """
-
-    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
-        narrow = tables.values(condition, column)
-        wide = [tables.values(other, column) for other in others]
-
-        def statistic(samples: Sequence[Array]) -> float:
-            return max(spread_ratio((samples[0], other)) for other in samples[1:])
-
-        p = _all_of([_wider(other, narrow) for other in wide])
-        return _evidence(statistic, [narrow, *wide], random, p, BELOW_ONE)
-
-    return weigh
+    return Comparison(read, statistic, True)
 
 
-def share(names: Names, columns: tuple[str, ...], bound: float, *, above: bool = True) -> Weigh:
-    """The mean of columns of each run lies above, or below, a bound: Wilcoxon signed-rank.
+def sooner(fewer: str, more: str) -> Comparison:
+    """Minutes by which runs of `more` earn as before sooner after the lamp has moved."""
 
-    Runs in which it does not occur are left out.
-    """
+    def read(tables: StudyTables) -> list[Array]:
+        return [tables.curves(key, "deposits") for key in (fewer, more)]
 
-    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
-        values = np.mean([_pool(tables, names, column) for column in columns], axis=0)
-        values = values[np.isfinite(values)]
-        p = _positive(values - bound if above else bound - values)
-        region = (bound, float("inf")) if above else (float("-inf"), bound)
-        return _evidence(mean, [values], random, p, region)
+    def statistic(samples: Sequence[Array]) -> float:
+        fewer_wait, more_wait = (recovery(one, one.shape[1] // 2) for one in samples)
+        return fewer_wait - more_wait
 
-    return weigh
-
-
-def persists(condition: str, scenario: int, region: tuple[float, float]) -> Weigh:
-    """Minutes until belief in the old scenario has fallen half-way: shares of resamples."""
-
-    def weigh(tables: StudyTables, random: np.random.Generator) -> ClaimEvidence:
-        curves = old_third_curves(tables, condition, scenario)
-        half = curves.shape[1] // 2 if curves.ndim == 2 else 0
-
-        def statistic(samples: Sequence[Array]) -> float:
-            return half_life(samples[0], half)
-
-        if len(curves) < 2 or half < 4:
-            return _nothing(region, len(curves))
-        effect = statistic([curves])
-        low, high, drawn = interval(statistic, [curves], random, paired=True)
-        p = outside(drawn, region), inside(drawn, region)
-        return ClaimEvidence(effect, low, high, *p, region, len(curves))
-
-    return weigh
-
-
-def _greater(more: Array, less: Array) -> Both:
-    return mann_whitney(more, less), mann_whitney(less, more)
-
-
-def _positive(differences: Array) -> Both:
-    return wilcoxon(differences), wilcoxon(-differences)
-
-
-def _wider(wide: Array, narrow: Array) -> Both:
-    return brown_forsythe(wide, narrow), brown_forsythe(narrow, wide)
-
-
-def _all_of(comparisons: Sequence[Both]) -> Both:
-    """Of a claim that needs all its comparisons: all for it, or one against it."""
-    return largest([p for p, _ in comparisons]), smallest([p for _, p in comparisons])
+    return Comparison(read, statistic, False)
 
 
 def _pool(tables: StudyTables, names: Names, column: str) -> Array:
-    """One condition's column, or several conditions' one after another."""
-    if isinstance(names, str):
-        return tables.values(names, column)
     return np.concatenate([tables.values(name, column) for name in names])
 
 
-def _evidence(
-    statistic: Statistic,
-    samples: Sequence[Array],
-    random: np.random.Generator,
-    p: Both | None,
-    region: tuple[float, float],
-    *,
-    paired: bool = False,
-) -> ClaimEvidence:
-    """Effect, interval and p; without a p of a test, the shares of resamples."""
-    runs = min(len(sample) for sample in samples)
-    if runs < 2 or not all(np.isfinite(sample).all() for sample in samples):
-        return _nothing(region, runs)
-    low, high, drawn = interval(statistic, samples, random, paired=paired)
-    both = (outside(drawn, region), inside(drawn, region)) if p is None else p
-    return ClaimEvidence(statistic(samples), low, high, *both, region, runs)
+def _whole(sample: Array) -> npt.NDArray[np.bool_]:
+    finite = np.isfinite(sample)
+    return np.asarray(finite if sample.ndim == 1 else finite.all(axis=1), dtype=np.bool_)
 
 
-def _nothing(region: tuple[float, float], runs: int) -> ClaimEvidence:
-    """Too little data, or a condition in which it does not occur."""
-    nan = float("nan")
-    return ClaimEvidence(nan, nan, nan, nan, nan, region, runs)
+def _without(
+    statistic: Statistic, samples: Sequence[Array], group: Sequence[int], run: int
+) -> float:
+    """The statistic without one run of a group of samples."""
+    return statistic(
+        [np.delete(one, run, axis=0) if i in group else one for i, one in enumerate(samples)]
+    )
+
+
+def _log(above: float, below: float) -> float:
+    return float(np.log(above / below)) if above > 0.0 and below > 0.0 else float("nan")

@@ -69,6 +69,7 @@ Controller = Literal[
     "negative-phototaxis",
     "to-and-fro",
     "half-to-and-fro",
+    "most-to-and-fro",
 ]
 
 
@@ -90,9 +91,11 @@ FIXED_SWARMS: dict[str, tuple[tuple[float, float], ...]] = {
     **{name: (genome,) for name, genome in FIXED_GENOMES.items()},
     "to-and-fro": ((0.9, 0.1),),
     "half-to-and-fro": (FIXED_GENOMES["positive-phototaxis"], (0.9, 0.1)),
+    "most-to-and-fro": (*(FIXED_GENOMES["positive-phototaxis"], (0.9, 0.1)) * 3, *[(0.9, 0.1)] * 4),
 }
 """Every fixed controller: genomes dealt to the robots by turns. `to-and-fro` approaches the light
-with food and leaves it without; of `half-to-and-fro` every second robot does."""
+with food and leaves it without; of `half-to-and-fro` every second robot does, of `most-to-and-fro`
+seven of ten."""
 
 Minutes = Annotated[float, Field(gt=0.0, le=1440.0, allow_inf_nan=False)]
 """Simulated; at most a day."""

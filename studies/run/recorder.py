@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 CHUNK = 1500
 """Control steps per Parquet row group: one minute, a few MB for ten robots."""
+POSITION_STEPS = round(1.0 / CONTROL_STEP)
+"""Control steps between two positions of a run without samples: 1 s, in which a robot drives less
+than its own diameter."""
 
 SCENARIO_CASES = ("light-opposite-nest", "no-light", "light-at-nest")
 """Case name of each of `embedded_sim.SCENARIOS`, as the log's `case` column has it."""
@@ -86,6 +89,7 @@ class Recorder:
         self._out, self._case, self._run = out, case, run
         self._rows = robots if samples else 0
         self._filled = 0
+        self._positions: list[FloatArray] = []
         self._floats = np.empty((len(_FLOATS), CHUNK, self._rows))
         self._counts = np.empty((CHUNK, self._rows, 2 * SENSORS), dtype=np.uint16)
         self._flags = np.empty((2, CHUNK, self._rows), dtype=np.uint8)
@@ -114,9 +118,11 @@ class Recorder:
         """Keep one control step: measured poses, readings, virtual sensor, commands answered.
 
         A row's commands hold from its time on; its wheel speeds are the encoders' steps since the
-        row before.
+        row before. A run without samples keeps measured positions, once a second.
         """
         if not self._rows:
+            if step % POSITION_STEPS == 0:
+                self._positions.append(world.tracker.poses[:, :2].copy())
             return
         world.read_encoders()
         at = self._filled
@@ -137,6 +143,8 @@ class Recorder:
         """Write what is left and the two small tables."""
         if self._filled:
             self._flush()
+        if self._positions:
+            self._write_positions()
         tables = RunTables(self._generations(swarm, genome), self._deposits(swarm))
         tables.generations.to_parquet(self._out / "generations.parquet", index=False)
         tables.deposits.to_parquet(self._out / "deposits.parquet", index=False)
@@ -160,6 +168,19 @@ class Recorder:
             self._scenario[:steps].reshape(rows), SCENARIO_CASES
         )
         self._writer.write_table(pa.table(columns, schema=self._schema))
+
+    def _write_positions(self) -> None:
+        """A row per robot and second; to the millimetre, which takes half the room."""
+        seconds, robots = len(self._positions), len(self._positions[0])
+        places = np.stack(self._positions).reshape(-1, 2).round(3).astype(np.float32)
+        columns = {
+            "t": np.repeat(np.arange(seconds, dtype=np.float32), robots),
+            "robot": np.tile(np.arange(robots, dtype=np.int32), seconds),
+            "x": places[:, 0],
+            "y": places[:, 1],
+        }
+        kept = pd.DataFrame(columns)
+        kept.to_parquet(self._out / "positions.parquet", index=False, compression="zstd")
 
     def _generations(self, swarm: Experimented, genome: Genome) -> pd.DataFrame:
         rows = sorted(swarm.generations, key=lambda g: (g.robot, g.generation))

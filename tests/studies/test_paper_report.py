@@ -34,7 +34,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_study_leaves_its_tables_figures_and_page(study: Path) -> None:
     files = {str(path.relative_to(study)) for path in study.rglob("*") if path.is_file()}
     expected = {"study.json", "study.parquet", "generations.parquet", "report.html"}
-    expected |= {"claims.csv", "results.md", "mixture.csv", "evolved.csv"}
+    expected |= {"claims.csv", "results.md", "evolved.csv"}
     expected |= {"gap.csv", "controllers.csv"}
     expected |= {f"figures/{name}.{kind}" for name in FIGURES for kind in ("png", "svg")}
     assert expected <= files

@@ -101,3 +101,20 @@ def test_what_fails_leaves_nothing_behind_and_what_was_there_as_it_was(tmp_path:
         raise RuntimeError
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
     assert (out / "run.json").read_text() == "first"
+
+
+def test_a_run_without_samples_keeps_measured_positions_once_a_second(tmp_path: Path) -> None:
+    seen = world()
+    swarm: Any = SimpleNamespace(commands=np.zeros((ROBOTS, 2)), generations=[], deposits=[])
+    with Recorder(tmp_path, "light-at-nest", "run", ROBOTS, False, engine="pybullet") as recorder:
+        for step in range(51):
+            seen.tracker.poses[0, 0] = 0.0123456 + step
+            recorder.sample(step, seen, swarm, 2)
+        recorder.finish(swarm, PAPER)
+    found = pd.read_parquet(tmp_path / "positions.parquet")
+    assert found["t"].tolist() == np.repeat([0.0, 1.0, 2.0], ROBOTS).tolist()
+    assert found["robot"].tolist() == list(range(ROBOTS)) * 3
+    first = found[found["robot"] == 0]
+    np.testing.assert_allclose(first["x"], [0.012, 25.012, 50.012], atol=1e-5)
+    np.testing.assert_allclose(found["y"], np.tile(seen.tracker.poses[:, 1], 3), atol=1e-5)
+    assert not (tmp_path / "samples.parquet").exists()
