@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from realitygap.embedded_sim.laws import Atom, Channel
+from realitygap.embedded_sim.laws import STANDS, Atom, Channel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.law_values import Known, product
 from realitygap.models.naming.channels.motion.fit import Problem
@@ -38,8 +38,9 @@ class LawColumns:
         self._noise = tracks.noise
         took = np.diff(tracks.t[tracks.rows], prepend=0.0)
         took[tracks.first] = 0.0
-        self._took = took
         self.known = _known(robot, self._steps, took)
+        fastest = np.maximum(*(np.abs(self.known[side]) for side in WHEELS))
+        self._moving = took * (fastest > STANDS)
 
     @property
     def segment(self) -> FloatArray:
@@ -79,7 +80,7 @@ class LawColumns:
             case "turning":
                 moved = none, none, q[:, 0] * turn
             case "turn":
-                moved = none, none, q[:, 0] * self._took[:, None]
+                moved = none, none, q[:, 0] * self._moving[:, None]
             case "bend":
                 moved = none, none, q[:, 0] * np.abs(ahead)
         return self._seen(self._steps.carried(*moved))

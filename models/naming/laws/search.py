@@ -13,7 +13,7 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.law_words import equation, reading
 from realitygap.models.naming.channels.motion.robot import Robot
 from realitygap.models.naming.engine.marginal import EMPTY
-from realitygap.models.naming.laws.amplitude import NORMAL, amount
+from realitygap.models.naming.laws.amplitude import NORMAL, amounts
 from realitygap.models.naming.laws.columns import LawColumns
 from realitygap.models.naming.laws.curves import CurveOf, curve
 from realitygap.models.naming.laws.decoys import of_another, shifted
@@ -104,7 +104,7 @@ class Hunt:
         best = [one for one in best if one.worth > LEAST]
         if not best:
             return None
-        robots = self._at(kept, (best[0].law,))
+        robots = self._at(kept, [one.law for one in best])
         again = [_of_all(robots[:MANY], one.law) for one in best]
         fitted = [refined(robots[:MANY], one, self.room.seconds) for one in again]
         offered = [_of_all(robots, one.law) for one in fitted] if len(robots) > MANY else fitted
@@ -143,24 +143,22 @@ class Hunt:
             channel, of, worth = top.channel, top.of, top.worth
             law = Candidate(channel, atoms) if atoms else law
         decoy = self._decoys(kept, law)
-        amounts = {
-            self.room.state.tracks.robots[k]: amount(robot, law, len(self.who))
-            for k, robot in zip(self.who, robots, strict=True)
-        }
+        ids = [self.room.state.tracks.robots[k] for k in self.who]
+        sizes = dict(zip(ids, amounts(robots, law, MANY), strict=True))
         others = self._others(law)
-        like = {k for k, one in others.items() if _alike(one, amounts)}
-        if worth < max(LEAST, BEYOND * decoy) or not (like or _beyond(amounts, others)):
+        like = {k for k, one in others.items() if _alike(one, sizes)}
+        if worth < max(LEAST, BEYOND * decoy) or not (like or _beyond(sizes, others)):
             return None
         radius = float(np.mean(robots[0].shown.robot.motion.drive.wheel_radius))
         told = FoundLaw(
             channel=channel,
             of=of,
             atoms=atoms,
-            robots=tuple(amounts),
-            amounts=amounts if atoms else {},
+            robots=tuple(sizes),
+            amounts=sizes if atoms else {},
             shape=shape,
             whole_swarm=len(self.who) == len(self.room.robots) > 1,
-            reading=reading(channel, atoms or (Atom(of, "curve"),), _largest(amounts), radius),
+            reading=reading(channel, atoms or (Atom(of, "curve"),), _largest(sizes), radius),
             gain=worth,
             ceiling=worth if top is None else top.worth,
             decoy=decoy,
@@ -205,7 +203,7 @@ class Hunt:
                 seen = self._seen(k, robot, ())
                 width = float(np.diag(seen.told(law).information).min())
                 if width > EMPTY:
-                    found[k] = amount(seen, law, 1)
+                    (found[k],) = amounts([seen], law, 0)
         return found
 
 
