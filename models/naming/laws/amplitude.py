@@ -52,15 +52,19 @@ class _Told(NamedTuple):
     """(q, q) covariance of their score, by blocks."""
 
 
-def amounts(robots: Sequence[LawRobot], law: Candidate, most: int) -> list[Amount]:
+def amounts(
+    robots: Sequence[LawRobot], law: Candidate, most: int, at: Sequence[float] = ()
+) -> list[Amount]:
     """Amplitudes with their intervals; of a wheel's angle the length of both its phases.
 
     Args:
         robots: Whose.
         law: At one phase, or of a wheel's angle.
         most: Robots, the first ones, that told the inner constants; 0: these are given.
+        at: Amplitudes that the robots' motions have already; none: 0.
     """
-    told = [_told(robot, law) for robot in robots]
+    have = at or [0.0] * len(robots)
+    told = [_told(robot, law, own) for robot, own in zip(robots, have, strict=True)]
     shared = np.zeros((0, 0)) if not most else _shared(told[:most])
     found = []
     for one in told:
@@ -83,17 +87,18 @@ def _shared(told: Sequence[_Told]) -> FloatArray:
     return np.asarray(inverse * max(excess, 1.0))
 
 
-def _told(robot: LawRobot, law: Candidate) -> _Told:
+def _told(robot: LawRobot, law: Candidate, at: float) -> _Told:
     columns, panel = robot.columns(law), robot.panel
     if columns.shape[1] > 1:
         both = panel.told(panel.sums(columns, together=True)).value
         half = len(both) // 2
         size = float(np.hypot(both[:half], both[half:]).mean())
         columns = (columns @ both / size)[:, None]
-    value = float(panel.told(panel.sums(columns, together=True)).value[0])
+    more = float(panel.told(panel.sums(columns, together=True)).value[0])
+    value = at + more
     wide = np.column_stack([columns, value * _slopes(robot, law)])
     information = panel.told(panel.sums(wide, together=True)).information
-    scores = panel.scores(wide, value * columns[:, 0])
+    scores = panel.scores(wide, more * columns[:, 0])
     width = float(information[0, 0])
     pull = -information[1:, 0] / width
     own = information[1:, 1:] - np.outer(pull, pull) * width

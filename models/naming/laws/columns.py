@@ -27,7 +27,14 @@ NEVER = 1e3
 class LawColumns:
     """One robot's windows at its motion: quantities at the middle of every step, and columns."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, plain: LawColumns | None = None) -> None:
+        """Prepare.
+
+        Args:
+            robot: At its motion.
+            plain: The robot without the laws of its motion, whose steps they are shares of; None:
+                it has none.
+        """
         tracks, motion = robot.tracks, robot.motion
         self.robot = robot
         predicted = poses(tracks, [motion])
@@ -38,7 +45,8 @@ class LawColumns:
         self._noise = tracks.noise
         took = np.diff(tracks.t[tracks.rows], prepend=0.0)
         took[tracks.first] = 0.0
-        self.known = _known(robot, self._steps, took)
+        self._plain = self._steps if plain is None else plain._steps
+        self.known = _known(robot, self._plain, took)
         fastest = np.maximum(*(np.abs(self.known[side]) for side in WHEELS))
         self._moving = took * (fastest > STANDS)
 
@@ -65,7 +73,7 @@ class LawColumns:
 
     def change(self, channel: Channel, q: FloatArray) -> FloatArray:
         """(n, 3, q) what (n, sides, q) strengths change of the errors, in noise."""
-        ahead, turn = self._steps.ahead[:, None], self._steps.turn[:, None]
+        ahead, turn = self._plain.ahead[:, None], self._plain.turn[:, None]
         none = np.zeros((len(q), q.shape[2]))
         match channel:
             case "left" | "right" | "both":
