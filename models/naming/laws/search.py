@@ -56,7 +56,7 @@ LIKE = 0.5
 LEAST_OTHERS = 2
 """Other robots that a law of one must be compared with."""
 SETTLED = SIMULATED - {"wall"}
-"""Quantities whose laws are put into the motion before their amplitudes are told: tracks know no arena."""
+"""Quantities whose laws the motion has before amplitudes are told; tracks know of no arena."""
 RIVALS = 12
 """Curves that are drawn."""
 
