@@ -31,6 +31,7 @@ STORIES: dict[str, tuple[str, float, FloatArray, Callable[[FloatArray], FloatArr
     "compass": ("heading (rad)", 2.7, TURN, lambda q: q),
 }
 """By law: its quantity, bars, where it is drawn, and the quantity there."""
+SECONDS = {"1 s": 1.0, "5 s": 5.0, "20 s": 20.0}
 
 
 def recorded(name: str, bars: float, seed: int, out: Path) -> Path:
@@ -78,27 +79,36 @@ def brought(axes: Axes, later: Path, extended: Any) -> None:
     table = rg.gain(later, extended, jobs=1).table
     ahead = table[(table["channel"] == "position") & (table["robot"] == 2)]
     for model in ("before", "extended"):
-        mine = ahead[ahead["model"] == model].groupby("horizon")[["error", "number"]].sum()
-        axes.plot(mine.index, 1e3 * mine["error"] / mine["number"], "o-", label=model)
-        echo(f"{model}: {(1e3 * mine['error'] / mine['number']).round(1).to_dict()} mm")
+        mine = ahead[ahead["model"] == model].groupby("horizon")[["total", "number"]].sum()
+        errors = (1e3 * mine["total"] / mine["number"]).loc[list(SECONDS)]
+        axes.plot(list(SECONDS.values()), errors, "o-", label=model)
+        echo(f"{model}: {errors.round(1).to_dict()} mm")
     axes.set(xscale="log", yscale="log", xlabel="ahead, later run (s)", ylabel="position (mm)")
 
 
-with scratch() as room, themed():
-    figure = canvas(2.0 * HALF, 6.0)
-    rows = figure.subplots(2, len(STORIES))
-    for k, (name, (_, bars, _, _)) in enumerate(STORIES.items()):
-        log = recorded(name, bars, 61 + k, Path(room) / name)
-        found = rg.diagnose(log)
-        law = found.content["laws"][0]
-        echo(f"{name}: {law['equation']}; {law['reading']}; {law['coefficients']}; {law['why']}")
-        drawn(rows[0, k], name, law)
-        if law["exported"]:
-            later = recorded(name, bars, 1061 + k, Path(room) / f"{name}-later")
-            brought(rows[1, k], later, found.extended)
-        else:
-            rows[1, k].text(0.5, 0.5, law["why"].replace(": ", ":\n"), ha="center", fontsize=8)
-            rows[1, k].set_axis_off()
-    rows[0, 0].legend(fontsize=8)
-    rows[1, 1].legend(fontsize=8)
-    save(figure, Path(sys.argv[1] if len(sys.argv) > 1 else "docs/laws.png"))
+def told(out: Path) -> None:
+    """Record, diagnose and draw all of them."""
+    with scratch() as room, themed():
+        figure = canvas(2.0 * HALF, 6.0)
+        rows = figure.subplots(2, len(STORIES))
+        for k, (name, (_, bars, _, _)) in enumerate(STORIES.items()):
+            log = recorded(name, bars, 61 + k, Path(room) / name)
+            found = rg.diagnose(log)
+            law = found.content["laws"][0]
+            echo(
+                f"{name}: {law['equation']}; {law['reading']}; {law['coefficients']}; {law['why']}"
+            )
+            drawn(rows[0, k], name, law)
+            if law["exported"]:
+                later = recorded(name, bars, 1061 + k, Path(room) / f"{name}-later")
+                brought(rows[1, k], later, found.extended)
+            else:
+                rows[1, k].text(0.5, 0.5, law["why"].replace(": ", ":\n"), ha="center", fontsize=8)
+                rows[1, k].set_axis_off()
+        rows[0, 0].legend(fontsize=8)
+        rows[1, 1].legend(fontsize=8)
+        save(figure, out)
+
+
+if __name__ == "__main__":  # workers import this module, too
+    told(Path(sys.argv[1] if len(sys.argv) > 1 else "docs/laws.png"))
