@@ -16,7 +16,10 @@ from realitygap.embedded_sim.errors import InputError
 Channel = Literal["left", "right", "both", "speed", "turning", "turn", "bend", "aside"]
 CHANNELS: tuple[Channel, ...] = get_args(Channel)
 """What changes: how fast a wheel turns, or both (a share of it), how fast the body moves ahead (a
-share), turns (a share), turns (rad/s), bends (rad/m), slides to the left (m per m driven)."""
+share), turns (a share), turns (rad/s, while a wheel turns: a robot that stands is held by its
+tyres), bends (rad/m), slides to the left (m per m driven)."""
+STANDS = 0.01
+"""rad/s of the faster wheel, below which a robot stands; as in C."""
 
 Quantity = Literal[
     "wheel_speed",
@@ -38,13 +41,26 @@ the angle of a wheel (rad), its distance from the arena's middle (m), its place 
 the wall, that to the next robot's body (m), time since the run began, time since it was told to
 leave rest (s)."""
 
-Form = Literal["power", "sign", "cosine", "slope", "half", "disc", "below", "fade", "curve"]
+Form = Literal[
+    "power",
+    "sign",
+    "cosine",
+    "slope",
+    "half",
+    "disc",
+    "below",
+    "fade",
+    "curve",
+    "always",
+    "over",
+]
 FORMS: tuple[Form, ...] = get_args(Form)
 """`power` (scale, exponent): (q / scale)^exponent of the quantity's size; `sign`: -1, 0, 1;
 `cosine` (k, phase): cos(k q - phase); of places: `slope` (scale, direction), distance along a
 direction over the scale, `half` (direction, edge), 1 beyond an edge, `disc` (x, y, radius), 1
-inside; `below` (edge): 1 below it; `fade` (scale): exp(-q / scale); `curve` (first, last, values):
-straight lines between values evenly spaced, and the end values beyond."""
+inside; `below` (edge): 1 below it, in size where q is a speed; `fade` (scale): exp(-q / scale);
+`curve` (first, last, values): straight lines between values evenly spaced, and the end values
+beyond; `always`: 1; `over` (limit): the share of the quantity's size that is beyond a limit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +115,11 @@ def _atom_struct(atom: Atom) -> dict[str, Any]:
     angle = {"cosine": 1, "slope": 1, "half": 0}.get(atom.form)
     if angle is not None and len(values) == 2:
         values += [math.cos(values[angle]), math.sin(values[angle])]
+    sound = bool(values) and values[0] > 0.0  # of a scale; C refuses it otherwise
+    if atom.form == "power" and len(values) == 2:
+        values.append(values[0] ** -values[1] if sound else 0.0)
+    if atom.form == "fade" and len(values) == 1:
+        values.append(-1.0 / (math.log(2.0) * values[0]) if sound else 0.0)
     if len(values) > MOST_NUMBERS or len(values) < _LEAST[atom.form]:
         raise InputError("drive.laws", f"{len(atom.parameters)} numbers", f"those of {atom.form}")
     form = FORMS.index(atom.form)
@@ -106,14 +127,16 @@ def _atom_struct(atom: Atom) -> dict[str, Any]:
 
 
 _LEAST: dict[Form, int] = {
-    "power": 2,
+    "power": 3,
     "sign": 0,
     "cosine": 4,
     "slope": 4,
     "half": 4,
     "disc": 3,
     "below": 1,
-    "fade": 1,
+    "fade": 2,
     "curve": 4,
+    "always": 0,
+    "over": 1,
 }
 """Numbers of a form in C."""

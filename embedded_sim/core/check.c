@@ -5,7 +5,7 @@
 static int rg_check_atom(rg_refusal *why, const rg_atom *a, int32_t law) {
     const int placed = a->form == RG_SLOPE || a->form == RG_HALF || a->form == RG_DISC;
     const double of = placed ? RG_OF_PLACE : a->of; /* the only quantity that is no number */
-    if (!(rg_within(why, "drive.laws form", law, a->form, RG_POWER, RG_CURVE) &&
+    if (!(rg_within(why, "drive.laws form", law, a->form, RG_POWER, RG_OVER) &&
           rg_within(why, "drive.laws of", law, a->of, RG_OF_WHEEL_SPEED, RG_OF_TIME) &&
           rg_within(why, "drive.laws of", law, a->of, of, of) &&
           rg_within(why, "drive.laws of", law, !placed && a->of == RG_OF_PLACE, 0.0, 0.0) &&
@@ -14,7 +14,7 @@ static int rg_check_atom(rg_refusal *why, const rg_atom *a, int32_t law) {
           rg_all_within(why, "drive.laws number", a->number, 20, RG_ANY)))
         return 0;
     const double first = a->number[0];
-    if (a->form == RG_POWER || a->form == RG_SLOPE || a->form == RG_FADE)
+    if (a->form == RG_POWER || a->form == RG_SLOPE || a->form == RG_FADE || a->form == RG_OVER)
         return rg_within(why, "drive.laws scale", law, first, RG_LAW_SCALE) &&
                (a->form != RG_POWER ||
                 rg_within(why, "drive.laws exponent", law, a->number[1], RG_LAW_EXPONENT));

@@ -213,6 +213,24 @@ RG_INLINE rg_v rg_decay_v(rg_v x) {
     return rg_pick(x > 700.0, (rg_v){0}, power * (even + r * odd));
 }
 
+/* rg_two_to */
+RG_INLINE rg_v rg_two_to_v(rg_v x) {
+    const double shift = 0x1.8p52;
+    const rg_v clipped = rg_clip_v(x, -1000.0, 1000.0), shifted = clipped + shift;
+    const rg_v r = (clipped - (shifted - shift)) * RG_LN2, r2 = r * r;
+    const rg_v power = (rg_v)((1023u + (rg_u)shifted) << 52);
+    return power * RG_EXP(r, r2);
+}
+
+/* rg_power */
+RG_INLINE rg_v rg_power_v(rg_v x, double p) {
+    const rg_m e = (rg_m)((rg_u)x - RG_HALF_ROOT) >> 52;
+    const rg_v m = (rg_v)((rg_u)x - ((rg_u)e << 52));
+    const rg_v t = (m - 1.0) / (m + 1.0), q = t * t;
+    const rg_v found = rg_two_to_v(p * (rg_number_v(e) + RG_LOG2_E * 2.0 * t * RG_ATANH(q)));
+    return p == 0.0 ? found : rg_pick(x > 0.0, found, (rg_v){0});
+}
+
 /* rg_noise of a group, times `width`: noise[k] holds sensor k's. Trials are told apart by lane. A
  * word is the low half of its lane: no product reads what is above, and the last shifts drop it. */
 RG_INLINE void rg_noise_v(const rg_u seed[4], uint32_t step, uint32_t kind, double width,

@@ -8,6 +8,8 @@
 #include "drive.h"
 #include "realitygap_core.h"
 
+#define RG_STANDS 0.01 /* rad/s: floor and tyres hold a robot whose wheels turn slower */
+
 /* Where and when a robot is while it obeys: what a step alone does not tell. */
 typedef struct {
     double x, y;         /* m */
@@ -77,18 +79,22 @@ static inline double rg_atom_value(const rg_drive *d, const rg_atom *a, const rg
         return (x - p[0]) * (x - p[0]) + (y - p[1]) * (y - p[1]) < p[2] * p[2] ? 1.0 : 0.0;
     if (a->form == RG_COSINE && a->of == RG_OF_HEADING)
         return rg_harmonic(a, q);
+    if (a->form == RG_ALWAYS)
+        return 1.0;
     const double of = rg_quantity(d, a, q);
     switch (a->form) {
-    case RG_POWER:
-        return p[1] == 1.0 ? fabs(of) / p[0] : pow(fabs(of) / p[0], p[1]);
+    case RG_POWER: /* scale, exponent, scale^-exponent */
+        return (p[1] == 1.0 ? fabs(of) : rg_power(fabs(of), p[1])) * p[2];
     case RG_SIGN:
         return (of > 0.0) - (of < 0.0);
     case RG_COSINE:
         return cos(p[0] * of - p[1]);
     case RG_BELOW:
-        return of < p[0] ? 1.0 : 0.0;
-    case RG_FADE:
-        return rg_decay((of > 0.0 ? of : 0.0) / p[0]);
+        return (a->of <= RG_OF_TURN ? fabs(of) : of) < p[0] ? 1.0 : 0.0;
+    case RG_OVER:
+        return 1.0 - p[0] / rg_max(fabs(of), p[0]);
+    case RG_FADE: /* scale, -log2(e) / scale */
+        return rg_two_to((of > 0.0 ? of : 0.0) * p[1]);
     default:
         return rg_curve(a, of);
     }
@@ -101,6 +107,12 @@ static inline double rg_strength(const rg_drive *d, const rg_law *law, const rg_
     return strength;
 }
 
+/* Whether a law has a strength of its own in each wheel. */
+static inline int rg_of_wheels(const rg_law *law) {
+    return law->atom[0].of == RG_OF_WHEEL_SPEED ||
+           (law->atoms > 1 && law->atom[1].of == RG_OF_WHEEL_SPEED);
+}
+
 /* What a body does in a step: m ahead, rad counter-clockwise, m to the left. */
 typedef struct {
     double ahead, turn, aside;
@@ -110,27 +122,32 @@ typedef struct {
  * the step begins. */
 static inline rg_moved rg_obey(const rg_drive *d, const rg_place_of *at, double h, double left,
                                double right) {
-    const double turned[2] = {left, right};
+    const double turned[2] = {left, right}, lean = 1.0 / d->axle;
     double way[2] = {d->wheel_radius[0] * left, d->wheel_radius[1] * right};
-    const rg_moved plain = {0.5 * (way[0] + way[1]), (way[1] - way[0]) / d->axle, 0.0};
+    const rg_moved plain = {0.5 * (way[0] + way[1]), (way[1] - way[0]) * lean, 0.0};
     if (!(h > 0.0))
         return plain;
     const double half = 0.5 * plain.turn, on = 0.5 * plain.ahead;
-    rg_known q = {*at, 0.0, plain.ahead / h, plain.turn / h};
+    const double per = 1.0 / h;
+    rg_known q = {*at, 0.0, plain.ahead * per, plain.turn * per};
     q.at.cosine = at->cosine * (1.0 - 0.5 * half * half) - at->sine * half;
     q.at.sine = at->sine * (1.0 - 0.5 * half * half) + at->cosine * half;
     q.at.x += on * q.at.cosine;
     q.at.y += on * q.at.sine;
     q.at.time += 0.5 * h;
+    const int moves = rg_max(fabs(left), fabs(right)) > RG_STANDS * h;
     double share[2] = {0.0, 0.0}, ahead = 0.0, turning = 0.0, turn = 0.0, aside = 0.0;
     for (int i = 0; i < d->laws; i++) {
         const rg_law *law = &d->law[i];
         if (law->channel <= RG_BOTH) {
+            double strength = 0.0;
             for (int side = 0; side < 2; side++) {
                 if (law->channel == !side) /* RG_LEFT is of side 0 alone, RG_RIGHT of side 1 */
                     continue;
-                q.wheel_speed = turned[side] / h;
-                share[side] += rg_strength(d, law, &q);
+                q.wheel_speed = turned[side] * per;
+                if (side == 0 || law->channel == RG_RIGHT || rg_of_wheels(law))
+                    strength = rg_strength(d, law, &q);
+                share[side] += strength;
             }
             continue;
         }
@@ -140,7 +157,7 @@ static inline rg_moved rg_obey(const rg_drive *d, const rg_place_of *at, double 
         else if (law->channel == RG_TURNING)
             turning += strength;
         else if (law->channel == RG_TURN)
-            turn += strength * h;
+            turn += moves ? strength * h : 0.0;
         else if (law->channel == RG_BEND)
             turn += strength * fabs(plain.ahead);
         else
@@ -149,7 +166,7 @@ static inline rg_moved rg_obey(const rg_drive *d, const rg_place_of *at, double 
     for (int side = 0; side < 2; side++)
         way[side] *= 1.0 + share[side];
     return (rg_moved){0.5 * (way[0] + way[1]) * (1.0 + ahead),
-                      (way[1] - way[0]) / d->axle * (1.0 + turning) + turn, aside};
+                      (way[1] - way[0]) * lean * (1.0 + turning) + turn, aside};
 }
 
 /* rg_arc, as laws have it. */

@@ -62,7 +62,19 @@ enum {
     RG_OF_GAP,
     RG_OF_TIME
 };
-enum { RG_POWER, RG_SIGN, RG_COSINE, RG_SLOPE, RG_HALF, RG_DISC, RG_BELOW, RG_FADE, RG_CURVE };
+enum {
+    RG_POWER,
+    RG_SIGN,
+    RG_COSINE,
+    RG_SLOPE,
+    RG_HALF,
+    RG_DISC,
+    RG_BELOW,
+    RG_FADE,
+    RG_CURVE,
+    RG_ALWAYS,
+    RG_OVER
+};
 
 /* A dimensionless function of one quantity. */
 typedef struct {

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from realitygap.embedded_sim.laws import Atom, Channel
+from realitygap.embedded_sim.laws import Atom, Channel, Form
+from realitygap.models.belief.law_values import SPEEDS
 
 UNIT: dict[Channel, str] = {"turn": "rad/s", "bend": "rad/m"}
 """Of an amplitude, where it has one; of the others it is a share."""
@@ -73,7 +74,7 @@ def equation(
     unit = UNIT.get(channel, "")
     if unit and amplitude is not None:
         size += rf"\,\mathrm{{{unit}}}" if latex else f" {unit}"
-    terms = [size, *(_atom(one, style) for one in atoms)]
+    terms = [size, *(_atom(one, style) for one in atoms if one.form != "always")]
     if channel in _RIGHT:
         terms.append(_RIGHT[channel][style])
     joined, less = dot.join(terms), amplitude is not None and amplitude < 0.0
@@ -108,7 +109,8 @@ def _atom(atom: Atom, style: int) -> str:
     exp, cos = (r"\exp", r"\cos") if style else ("exp", "cos")
     less, more = ("<", ">")
     if form == "power":
-        base = f"|{symbol}| / {_number(p[0], unit, style)}"
+        size = f"|{symbol}|" if atom.of in SPEEDS else symbol
+        base = f"{size} / {_number(p[0], unit, style)}"
         if round(p[1], 2) == 1.0:
             return f"({base})"
         return f"({base})^{{{p[1]:.2f}}}" if style else f"({base})^{p[1]:.2f}"
@@ -139,7 +141,11 @@ def _atom(atom: Atom, style: int) -> str:
             else (rf"[(x {x})^2 + (y {y})^2 {less} ({_number(p[2], unit, 1)})^2]")
         )
     if form == "below":
-        return f"[{symbol} {less} {_number(p[0], unit, style)}]"
+        size = f"|{symbol}|" if atom.of in SPEEDS else symbol
+        return f"[{size} {less} {_number(p[0], unit, style)}]"
+    if form == "over":
+        most = r"\max" if style else "max"
+        return f"{most}(1 {'-' if style else '−'} {_number(p[0], unit, style)} / |{symbol}|, 0)"
     if form == "fade":
         return f"{exp}(-{symbol} / {_number(p[0], unit, style)})"
     return f"f({'x, y' if atom.of == 'place' else symbol})"
@@ -202,6 +208,10 @@ def _where(atom: Atom) -> str:
         "time": "with time",
         "since": "after leaving rest",
     }
+    if atom.form == "always":
+        return "always"
+    if atom.form == "over":
+        return f"beyond {_number(p[0], _SYMBOL[atom.of][2], 0)} of a wheel"
     if atom.form == "curve":
         return f"{name[atom.of]}, in a shape that was not found"
     if atom.of in ("left_angle", "right_angle"):
@@ -216,14 +226,31 @@ def _where(atom: Atom) -> str:
     if atom.form == "half":
         return f"where {_along(p[0])} > {_number(p[1], 'm', 0)}"
     if atom.form == "below":
+        if atom.of == "wheel_speed":
+            return f"below {_number(p[0], _SYMBOL[atom.of][2], 0)} of a wheel"
         return f"{name[atom.of]}, within {1e3 * p[0]:.0f} mm"
     if atom.form == "cosine":
         return f"with a period of {2.0 * math.pi / abs(p[0]):.3g} s"
     return name[atom.of]
 
 
+_CONSTANT: dict[tuple[Channel, Form], str] = {
+    ("left", "always"): "as a wheel of another size does",
+    ("right", "always"): "as a wheel of another size does",
+    ("both", "always"): "as wheels of another size do, or a tracker of another metre shows it",
+    ("speed", "always"): "as wheels of another size do, or a tracker of another metre shows it",
+    ("bend", "sign"): "as a robot does whose wheels differ in size",
+    ("turning", "always"): "as wheels do that are another distance apart",
+    ("aside", "always"): "as a tracker shows it whose marker is turned",
+}
+
+
 def _mechanism(channel: Channel, atom: Atom, amplitude: float, wheel_radius: float) -> str:
     wheel = channel in ("left", "right")
+    if atom.form in ("always", "sign") and (channel, atom.form) in _CONSTANT:
+        return _CONSTANT[channel, atom.form]
+    if atom.form in ("over", "below") and atom.of == "wheel_speed" and amplitude < 0.0:
+        return "as of a motor at its limit" if atom.form == "over" else "as of a motor that sticks"
     if wheel and atom.of == f"{channel}_angle" and round(atom.parameters[0]) == 1:
         return f"as a wheel does that is eccentric by {1e3 * abs(amplitude) * wheel_radius:.2g} mm"
     if wheel and atom.of == f"{channel}_angle":

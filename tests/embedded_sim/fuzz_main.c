@@ -124,7 +124,7 @@ static void build_law(bytes *from, rg_law *law) {
     law->amplitude = uniform(from, -0.5, 0.5);
     for (int k = 0; k < law->atoms; k++) {
         rg_atom *a = &law->atom[k];
-        a->form = below(from, RG_CURVE + 1);
+        a->form = below(from, RG_OVER + 1);
         a->of = a->form >= RG_SLOPE && a->form <= RG_DISC ? RG_OF_PLACE : below(from, RG_OF_PLACE);
         a->numbers = 4 + below(from, 17);
         for (int i = 0; i < 20; i++)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from realitygap.embedded_sim import Behaviour, Drive, InputError, evaluate, replay
-from realitygap.embedded_sim.laws import CHANNELS, FORMS, Atom, Law
+from realitygap.embedded_sim.laws import CHANNELS, FORMS, MOST_LAWS, Atom, Law
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.embedded_sim.simulator import FORMS as COMPUTED
 from realitygap.embedded_sim.simulator import has_form
@@ -29,6 +29,9 @@ ATOMS = (
     Atom("radius", "power", (0.5, 2.0)),
     Atom("wall", "fade", (0.3,)),
     Atom("gap", "below", (0.2,)),
+    Atom("wheel_speed", "below", (5.0,)),
+    Atom("wheel_speed", "over", (5.0,)),
+    Atom("speed", "always"),
     Atom("heading", "curve", (0.0, 2.0 * np.pi, 0.1, -0.3, 0.5, 0.1)),
 )
 FEW = np.random.default_rng(8)
@@ -118,13 +121,13 @@ def test_laws_of_amplitude_0_change_no_bit() -> None:
 
 
 @pytest.mark.parametrize("form", [form for form in COMPUTED if has_form(form)])
-def test_lanes_obey_bit_for_bit(form: Any) -> None:
+@pytest.mark.parametrize("some", [ATOMS[k::3] for k in range(3)], ids=str)
+def test_lanes_obey_bit_for_bit(form: Any, some: Any) -> None:
+    """Every form, of a wheel or of both, and of the body."""
+    wheels = [Law("both" if k % 2 else "right", -0.1, (atom,)) for k, atom in enumerate(some)]
+    turns = [Law("turn", 0.1, (atom,)) for atom in some if atom.of != "wheel_speed"]
+    laws = (*wheels, *turns)[:MOST_LAWS]
     model = load_model()
-    laws = (
-        Law("both", -0.2, (ATOMS[6],)),
-        Law("turn", 0.2, (ATOMS[3],)),
-        Law("aside", 0.1, (ATOMS[8],)),
-    )
     drive = replace(model.drive, laws=laws, reach=0.565, body=0.035, latency=0.05)
     lawful = replace(model, drive=drive)
     genomes, scenarios = FEW.uniform(0.0, 0.99, (40, 2)), FEW.integers(0, 3, 40)

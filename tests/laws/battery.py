@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 
 import realitygap as rg
+from realitygap.reality.engine import DEFAULT, EngineName
+from realitygap.studies.hidden.menu import MENU
 from realitygap.studies.plumbing.rooms import scratch
 from realitygap.studies.run.experiment import ANONYMOUS, RunConfig, simulate
-from tests.laws.sealed import EFFECTS, LAWS, RATE, SHARE, Sealed
+from tests.laws.sealed import EFFECTS, LAWS, LISTED, RATE, SHARE, Sealed
 
 LARGEST = 4.0
 """Bars; sizes are drawn from 1 on, evenly in their logarithm."""
@@ -29,13 +31,12 @@ class LawTrial:
     robot: int | None
     """None: all of them."""
     run: RunConfig
+    specs: tuple[str, ...]
 
     @property
-    def specs(self) -> tuple[str, ...]:
-        if self.law is None:
-            return ()
-        whose = "" if self.robot is None else f",robot={self.robot}"
-        return (f"{self.law.name}:bars={self.bars:.3f}{whose}",)
+    def withheld(self) -> tuple[str, ...]:
+        """Causes that the diagnosis is to do without."""
+        return () if self.law is None or self.law.strength else (self.law.name,)
 
     @property
     def amplitude(self) -> float:
@@ -44,11 +45,27 @@ class LawTrial:
         return self.bars * (RATE if self.law.acts == "turn" else SHARE)
 
 
-def plan(seed: int, *, healthy: int, robots: int, seconds: float) -> list[LawTrial]:
-    """Every sealed law once, and some runs with nothing, in any order."""
+def _specs(
+    law: Sealed | None, bars: float, robot: int | None, random: np.random.Generator
+) -> tuple[str, ...]:
+    if law is None:
+        return ()
+    values: Mapping[str, float | str] = {"bars": round(bars, 3)}
+    if law.strength is None:
+        entry = MENU[law.name]
+        values = entry.values(min(bars * entry.bar, entry.largest), random)
+    whose = {} if robot is None else {"robot": robot}
+    told = ",".join(f"{key}={value}" for key, value in {**values, **whose}.items())
+    return (f"{law.name}:{told}",)
+
+
+def plan(
+    seed: int, *, healthy: int, robots: int, seconds: float, engine: EngineName = DEFAULT
+) -> list[LawTrial]:
+    """Every sealed law and every listed cause once, and some runs with nothing, in any order."""
     random = np.random.default_rng(seed)
     trials = []
-    every = [*LAWS, *[None] * healthy]
+    every = [*LAWS, *LISTED, *[None] * healthy]
     for number in random.permutation(len(every)):
         law = every[int(number)]
         bars = float(LARGEST ** random.random())
@@ -59,9 +76,10 @@ def plan(seed: int, *, healthy: int, robots: int, seconds: float) -> list[LawTri
             robots=robots,
             minutes=seconds / 60.0,
             seed=int(random.integers(2**31)),
+            engine=engine,
         )
         robot = None if swarm else int(random.integers(robots))
-        trials.append(LawTrial(law, bars, robot, run))
+        trials.append(LawTrial(law, bars, robot, run, _specs(law, bars, robot, random)))
     return trials
 
 
@@ -71,7 +89,15 @@ def answered(trial: LawTrial) -> dict[str, Any]:
         run = Path(room) / "run"
         run.mkdir()
         simulate(trial.run, trial.specs, run, unlisted=EFFECTS, name=ANONYMOUS)
-        return dict(rg.diagnose(run / "samples.parquet").content)
+        return dict(rg.diagnose(run / "samples.parquet", without=trial.withheld).content)
+
+
+def _kind(law: Sealed | None) -> str:
+    if law is None:
+        return "healthy"
+    if law.strength is None:
+        return "listed"
+    return "inside" if law.inside else "outside"
 
 
 def scored(trial: LawTrial, content: dict[str, Any]) -> dict[str, Any]:
@@ -79,7 +105,7 @@ def scored(trial: LawTrial, content: dict[str, Any]) -> dict[str, Any]:
     laws, law = content.get("laws", []), trial.law
     said: dict[str, Any] = {
         "law": None if law is None else law.name,
-        "inside": law is not None and law.inside,
+        "kind": _kind(law),
         "bars": round(trial.bars, 2),
         "robot": "all" if trial.robot is None else trial.robot,
         "verdict": content["verdict"],
@@ -113,9 +139,10 @@ def scored(trial: LawTrial, content: dict[str, Any]) -> dict[str, Any]:
 
 def rates(answers: Sequence[dict[str, Any]]) -> Iterator[str]:
     """In words."""
-    hidden = [one for one in answers if one["law"] is not None]
-    inside = [one for one in hidden if one["inside"]]
-    outside = [one for one in hidden if not one["inside"]]
+    hidden = [one for one in answers if one["kind"] in ("inside", "outside")]
+    inside = [one for one in hidden if one["kind"] == "inside"]
+    outside = [one for one in hidden if one["kind"] == "outside"]
+    listed = [one for one in answers if one["kind"] == "listed"]
     holds = [held for one in hidden for held in one.get("holds", [])]
     healthy = [one for one in answers if one["law"] is None]
 
@@ -127,6 +154,9 @@ def rates(answers: Sequence[dict[str, Any]]) -> Iterator[str]:
     shapeless = sum(one.get("shaped") is False and one["quantity"] for one in outside)
     yield f"outside: shape not found, quantity right: {shapeless} of {len(outside)}"
     yield f"a law of a wrong channel or quantity: {share(hidden, 'wrong')}"
+    yield f"withheld causes: channel and quantity right: {share(listed, 'quantity')}"
+    yield f"withheld causes: form right: {share(listed, 'form')}"
+    yield f"withheld causes: a law of a wrong channel or quantity: {share(listed, 'wrong')}"
     yield f"nothing said: {sum(not one['laws'] for one in hidden)} of {len(hidden)}"
     yield f"amplitudes' 95 % intervals that hold: {sum(holds)} of {len(holds)}"
     yield f"laws in healthy runs: {share(healthy, 'laws')}"

@@ -29,7 +29,8 @@ class Sealed:
     name: str
     acts: str
     """`left`, `right`, `both` (share of the wheels' speeds), `turn` (rad/s)."""
-    strength: Strength
+    strength: Strength | None
+    """None: a listed cause, which the diagnosis is to do without."""
     channels: frozenset[str]
     """That are right; what acts on both wheels alike shows in what they have in common."""
     quantities: frozenset[str]
@@ -139,8 +140,27 @@ LAWS = (
 """Twelve inside the grammar, twelve outside."""
 
 
+def _listed(name: str, channels: str, of: str, forms: str) -> Sealed:
+    return Sealed(name, "", None, *(frozenset(some.split()) for some in (channels, of, forms)))
+
+
+SPEEDS = "speed wheel_speed"
+LISTED = (
+    _listed("wheel_radius_scale", "both speed", SPEEDS, "always"),
+    _listed("wheel_radius_mismatch", "left right bend", SPEEDS, "always sign"),
+    _listed("wheel_separation", "turning", SPEEDS, "always"),
+    _listed("motor_saturation", "left right both", "wheel_speed", "over"),
+    _listed("motor_dead_zone", "left right both", "wheel_speed", "below"),
+    _listed("speed_droop", "both speed", "time", "power"),
+    _listed("tracker_yaw_offset", "aside", SPEEDS, "always"),
+)
+"""Causes that come back as laws if the catalogue lacks them; of the others the grammar has none."""
+
+
 def effect_of(law: Sealed) -> Effect:
     """A law as something that can be hidden: `NAME:bars=2,robot=3`."""
+    strength = law.strength
+    assert strength is not None
 
     def apply(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
         has: FloatArray = np.zeros((hardware.robots, 1))
@@ -150,7 +170,7 @@ def effect_of(law: Sealed) -> Effect:
 
         def obey(w: FloatArray, a: FloatArray, p: FloatArray, t: float) -> FloatArray:
             speeds = before(w, a, p, t)
-            size = law.strength(speeds, a, p, t)
+            size = strength(speeds, a, p, t)
             wide = size if size.ndim == 2 else size[:, None]
             if law.acts == "turn":
                 moving = np.any(speeds != 0.0, axis=1, keepdims=True)

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from realitygap.models.belief.catalogue import every_cause
 from realitygap.reality import constants as k
 from realitygap.reality.effects import parse_effects
 from realitygap.reality.world import World
 from tests.laws.battery import answered, plan, rates, scored
-from tests.laws.sealed import EFFECTS, LAWS, SHARE
+from tests.laws.sealed import EFFECTS, LAWS, LISTED, SHARE
 
 
 def driven(spec: str, pose: list[float], seconds: float = 1.0) -> np.ndarray:
@@ -79,7 +80,20 @@ def test_what_is_right_and_what_is_wrong() -> None:
     silent = scored(compass, {"verdict": "nothing_wrong"})
     lines = list(rates([right, other, silent]))
     assert lines[0] == "channel and quantity right: 1 of 3"
-    assert lines[4] == "nothing said: 1 of 3"
+    assert lines[7] == "nothing said: 1 of 3"
+
+
+def test_a_listed_cause_is_hidden_as_the_blind_battery_does_and_withheld() -> None:
+    trials = plan(3, healthy=1, robots=5, seconds=60.0)
+    mine = [one for one in trials if one.withheld]
+    assert {one.withheld for one in mine} == {(law.name,) for law in LISTED}
+    assert all(name in every_cause() for one in mine for name in one.withheld)
+    for one in mine:
+        parse_effects(one.specs, 5)
+    slow = next(one for one in mine if one.withheld == ("speed_droop",))
+    both = scored(slow, said(channel="both", of="time", atoms=[{"form": "power"}]))
+    assert judged(both) == (True, True, False)
+    assert "holds" not in both  # an amplitude of another unit
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from realitygap.embedded_sim.laws import Atom, Channel
+from realitygap.embedded_sim.laws import STANDS, Atom, Channel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.law_values import Known, product
 from realitygap.models.naming.channels.motion.fit import Problem
@@ -27,7 +27,14 @@ NEVER = 1e3
 class LawColumns:
     """One robot's windows at its motion: quantities at the middle of every step, and columns."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, plain: LawColumns | None = None) -> None:
+        """Prepare.
+
+        Args:
+            robot: At its motion.
+            plain: The robot without the laws of its motion, whose steps they are shares of; None:
+                it has none.
+        """
         tracks, motion = robot.tracks, robot.motion
         self.robot = robot
         predicted = poses(tracks, [motion])
@@ -38,8 +45,10 @@ class LawColumns:
         self._noise = tracks.noise
         took = np.diff(tracks.t[tracks.rows], prepend=0.0)
         took[tracks.first] = 0.0
-        self._took = took
-        self.known = _known(robot, self._steps, took)
+        self._plain = self._steps if plain is None else plain._steps
+        self.known = _known(robot, self._plain, took)
+        fastest = np.maximum(*(np.abs(self.known[side]) for side in WHEELS))
+        self._moving = took * (fastest > STANDS)
 
     @property
     def segment(self) -> FloatArray:
@@ -64,7 +73,7 @@ class LawColumns:
 
     def change(self, channel: Channel, q: FloatArray) -> FloatArray:
         """(n, 3, q) what (n, sides, q) strengths change of the errors, in noise."""
-        ahead, turn = self._steps.ahead[:, None], self._steps.turn[:, None]
+        ahead, turn = self._plain.ahead[:, None], self._plain.turn[:, None]
         none = np.zeros((len(q), q.shape[2]))
         match channel:
             case "left" | "right" | "both":
@@ -79,7 +88,7 @@ class LawColumns:
             case "turning":
                 moved = none, none, q[:, 0] * turn
             case "turn":
-                moved = none, none, q[:, 0] * self._took[:, None]
+                moved = none, none, q[:, 0] * self._moving[:, None]
             case "bend":
                 moved = none, none, q[:, 0] * np.abs(ahead)
         return self._seen(self._steps.carried(*moved))

@@ -25,6 +25,9 @@ TURN = 6.0
 """rad/s that wheels' speeds are told in: the cruise of the e-puck's search."""
 HARMONICS = (1.0, 2.0, 3.0, 4.0)
 QUARTER = 0.5 * np.pi
+LIMITS = (1.0, 2.0, 3.0, 4.0, 5.0)
+"""rad/s of wheels."""
+LIMITED: tuple[Form, ...] = ("below", "over")
 EDGES = (0.03, 0.05, 0.08, 0.12)
 """m of gaps and of distances to the wall."""
 SCALES = (0.02, 0.05, 0.1)
@@ -37,6 +40,10 @@ SLOWEST, FASTEST = 0.75, 0.25
 """Periods in a log at least, and Hz at most, of what swings with time."""
 WIDE: tuple[Channel, ...] = ("both", "speed", "turn", "aside")
 """Channels that may differ from region to region."""
+
+
+MOST = 1e3
+"""m, s or rad/s of inner constants: beyond it nothing fades in a log."""
 
 
 class Candidate(NamedTuple):
@@ -76,6 +83,10 @@ def _atoms(
         else:
             yield (Atom("speed", "power", (SPEED, exponent)),)
     yield (Atom("turn", "sign"),)
+    if channel != "turn":
+        yield (Atom("wheel_speed" if wheel else "speed", "always"),)
+    if wheel:
+        yield from ((Atom("wheel_speed", form, (edge,)),) for edge in LIMITS for form in LIMITED)
     yield (Atom("wheel_speed" if wheel else "speed", "sign"),)
     for k in HARMONICS:
         yield swinging(Atom("heading", "cosine", (k, 0.0)))
@@ -141,7 +152,7 @@ def inner(atom: Atom) -> tuple[int, ...]:
             return (0, 1)
         case "disc":
             return (0, 1, 2)
-        case "below" | "fade":
+        case "below" | "fade" | "over":
             return (0,)
         case _:
             return ()
@@ -158,7 +169,7 @@ def step_of(atom: Atom, seconds: float) -> tuple[float, ...]:
             return (0.2, 0.04)
         case "disc":
             return (0.04, 0.04, 0.04)
-        case "below":
+        case "below" | "over":
             return (0.25 * atom.parameters[0],)
         case "fade":
             return (0.4 * atom.parameters[0],)
@@ -174,7 +185,7 @@ def possible(atom: Atom) -> bool:
             return 0.3 <= p[1] <= 8.0
         case "disc":
             return p[2] > 0.02
-        case "below" | "fade":
-            return p[0] > 1e-3
+        case "below" | "fade" | "over":
+            return 1e-3 < p[0] < MOST
         case _:
             return True

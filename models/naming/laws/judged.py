@@ -178,16 +178,14 @@ class Panel:
         moved = side @ a
         return own - moved @ side.T, pull - side @ before, moved
 
-    def spread(self, column: FloatArray, told: Judgement) -> float:
-        """Standard error of one column's coefficient, blocks being independent."""
-        side = column @ self.base
-        clear = column - self.base @ (self._whole @ side)
-        rest = self.left - told.value[0] * column
+    def scores(self, columns: FloatArray, law: FloatArray) -> FloatArray:
+        """(blocks, q) of (rows, q) columns, everything else free, beside a law's (rows,) share."""
+        clear = columns - self.base @ (self._whole @ (self.base.T @ columns))
+        rest = self.left - law
         rest = rest - self.base @ (self._whole @ (self.base.T @ rest))
-        windows = self.robot.by_window(clear * rest)
-        block = np.bincount(np.unique(self.robot.block, return_inverse=True)[1], windows)
-        width = float(told.information[0, 0])
-        return float(max(np.sqrt((block**2).sum()) / width, 1.0 / np.sqrt(width)))
+        block = np.unique(self.robot.block, return_inverse=True)[1]
+        windows = (self.robot.by_window(column * rest) for column in clear.T)
+        return np.column_stack([np.bincount(block, one) for one in windows])
 
 
 def _solved(width: FloatArray, pull: FloatArray) -> FloatArray:

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from realitygap.embedded_sim.laws import Law
 from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.naming.channels.motion.fit import Problem
 from realitygap.models.naming.channels.motion.noise import learn
+from realitygap.models.naming.channels.motion.predict import poses
 from realitygap.models.naming.channels.motion.robot import Robot
 from realitygap.models.naming.engine.marginal import EMPTY, Prior, root_of
 from realitygap.models.naming.engine.state import SWARM, State, with_kept
 from realitygap.models.naming.engine.weighed import Weighed
+from realitygap.models.naming.findings import Named
 
 FREE = 1e4
 """Variance that is as good as free, over a column's own. No rule: a tolerance."""
@@ -20,9 +25,24 @@ FREE = 1e4
 class LawRoom:
     """What is known of a log when laws are asked for: its robots with their causes, and health."""
 
-    def __init__(self, state: State) -> None:
+    def __init__(self, state: State, named: Sequence[Named]) -> None:
+        """Prepare.
+
+        Args:
+            state: Of the engine at its end.
+            named: Causes that stand; what else was fitted is taken back.
+        """
+        said = {
+            (SWARM if one.whole_swarm else state.tracks.robots.index(robot), one.evidence.term.key)
+            for one in named
+            for robot in one.robots
+        }
         for scope in (SWARM, *range(len(state.robots))):
-            causes = [one for one in state.of(scope) if one.item.term is not None]
+            causes = [
+                one
+                for one in state.of(scope)
+                if one.item.term is not None and (scope, one.item.key) in said
+            ]
             state = with_kept(state, scope, causes)
         self.state, self._weighed = state, Weighed(state)
         self.robots = [one for one in state.robots if isinstance(one, Robot)]
@@ -43,6 +63,15 @@ class LawRoom:
                     if robot.names[column].partition(".")[0] == one.item.of.key:
                         free[i] = FREE / max(robot.information[column, column], EMPTY)
         return prior._replace(root=root_of(own + np.diag(free)))
+
+
+def obeying(robot: Robot, law: Law) -> Robot:
+    """The robot with one more law in its motion, its columns and its noise as they were."""
+    motion = robot.motion
+    laws = (*motion.drive.laws, law)
+    moved = replace(motion, drive=replace(motion.drive, laws=laws, body=robot.tracks.body))
+    errors = Problem(robot.tracks, [moved]).fitter(poses(robot.tracks, [moved]))
+    return Robot(robot.tracks, moved, replace(robot.made, errors=errors), robot.noise)
 
 
 def relearned(robot: Robot, columns: FloatArray) -> Robot:

@@ -8,19 +8,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from realitygap.embedded_sim.laws import QUANTITIES, Atom
+from realitygap.embedded_sim.laws import QUANTITIES, SIMULATED, Atom, Law
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.law_words import equation, reading
 from realitygap.models.naming.channels.motion.robot import Robot
 from realitygap.models.naming.engine.marginal import EMPTY
-from realitygap.models.naming.laws.amplitude import NORMAL, amount
+from realitygap.models.naming.laws.amplitude import NORMAL, amounts
 from realitygap.models.naming.laws.columns import LawColumns
 from realitygap.models.naming.laws.curves import CurveOf, curve
 from realitygap.models.naming.laws.decoys import of_another, shifted
 from realitygap.models.naming.laws.found import Amount, FoundLaw
 from realitygap.models.naming.laws.grammar import Candidate, candidates
 from realitygap.models.naming.laws.judged import Panel
-from realitygap.models.naming.laws.room import LawRoom, relearned
+from realitygap.models.naming.laws.room import LawRoom, obeying, relearned
 from realitygap.models.naming.laws.selection import (
     LawRobot,
     Offered,
@@ -55,6 +55,8 @@ LIKE = 0.5
 """Of a law's amplitude, least that another robot has that has it as well."""
 LEAST_OTHERS = 2
 """Other robots that a law of one must be compared with."""
+SETTLED = SIMULATED - {"wall"}
+"""Quantities whose laws the motion has before amplitudes are told; tracks know of no arena."""
 RIVALS = 12
 """Curves that are drawn."""
 
@@ -104,7 +106,7 @@ class Hunt:
         best = [one for one in best if one.worth > LEAST]
         if not best:
             return None
-        robots = self._at(kept, (best[0].law,))
+        robots = self._at(kept, [one.law for one in best])
         again = [_of_all(robots[:MANY], one.law) for one in best]
         fitted = [refined(robots[:MANY], one, self.room.seconds) for one in again]
         offered = [_of_all(robots, one.law) for one in fitted] if len(robots) > MANY else fitted
@@ -143,24 +145,22 @@ class Hunt:
             channel, of, worth = top.channel, top.of, top.worth
             law = Candidate(channel, atoms) if atoms else law
         decoy = self._decoys(kept, law)
-        amounts = {
-            self.room.state.tracks.robots[k]: amount(robot, law, len(self.who))
-            for k, robot in zip(self.who, robots, strict=True)
-        }
+        ids = [self.room.state.tracks.robots[k] for k in self.who]
+        sizes = dict(zip(ids, self._sizes(robots, law, kept, shape=shape), strict=True))
         others = self._others(law)
-        like = {k for k, one in others.items() if _alike(one, amounts)}
-        if worth < max(LEAST, BEYOND * decoy) or not (like or _beyond(amounts, others)):
+        like = {k for k, one in others.items() if _alike(one, sizes)}
+        if worth < max(LEAST, BEYOND * decoy) or not (like or _beyond(sizes, others)):
             return None
         radius = float(np.mean(robots[0].shown.robot.motion.drive.wheel_radius))
         told = FoundLaw(
             channel=channel,
             of=of,
             atoms=atoms,
-            robots=tuple(amounts),
-            amounts=amounts if atoms else {},
+            robots=tuple(sizes),
+            amounts=sizes if atoms else {},
             shape=shape,
             whole_swarm=len(self.who) == len(self.room.robots) > 1,
-            reading=reading(channel, atoms or (Atom(of, "curve"),), _largest(amounts), radius),
+            reading=reading(channel, atoms or (Atom(of, "curve"),), _largest(sizes), radius),
             gain=worth,
             ceiling=worth if top is None else top.worth,
             decoy=decoy,
@@ -168,6 +168,24 @@ class Hunt:
             instead=tuple(equation(*phased(robots, one.law)) for one in rivals) if shape else (),
         )
         return Stated(law, told, frozenset(like))
+
+    def _sizes(
+        self, robots: Sequence[LawRobot], law: Candidate, kept: Sequence[Candidate], *, shape: bool
+    ) -> list[Amount]:
+        """Amplitudes; of what can be simulated, from about where it is so large."""
+        first = amounts(robots, law, MANY)
+        if not shape or law.atoms[0].of not in SETTLED:
+            return first
+        moved = []
+        for k, robot, one in zip(self.who, robots, first, strict=True):
+            obeys = obeying(self.room.robots[k], Law(law.channel, one.value, law.atoms))
+            shown = LawColumns(obeys, robot.shown)
+            every = [shown.change(o.channel, robot.strength(o)) for o in (*kept, law)]
+            fresh = relearned(obeys, np.concatenate(every, axis=2))
+            beside = [fresh.white(own) for own in every[:-1]]
+            panel = Panel(fresh, self.room.prior(k, shared=self.shared), beside)
+            moved.append(LawRobot(LawColumns(fresh, robot.shown), panel))
+        return amounts(moved, law, MANY, [one.value for one in first])
 
     def _ceiling(self, robots: Sequence[LawRobot], offered: Sequence[Offered]) -> CurveOf | None:
         """The best curve of a quantity, in the channels of the best laws."""
@@ -205,7 +223,7 @@ class Hunt:
                 seen = self._seen(k, robot, ())
                 width = float(np.diag(seen.told(law).information).min())
                 if width > EMPTY:
-                    found[k] = amount(seen, law, 1)
+                    (found[k],) = amounts([seen], law, 0)
         return found
 
 

@@ -155,8 +155,7 @@ def refined(robots: Sequence[LawRobot], one: Offered, seconds: float) -> Offered
     )
     law = at(np.asarray(end.x, dtype=np.float64))
     gain = np.sum([robot.told(law).gain for robot in robots], axis=0)
-    tried = Offered(law, np.asarray(gain))
-    return tried if tried.worth > one.worth else one
+    return Offered(law, np.asarray(gain))
 
 
 def phased(robots: Sequence[LawRobot], law: Candidate) -> Candidate:

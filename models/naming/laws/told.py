@@ -12,7 +12,6 @@ from realitygap.models.naming.channels.motion.examination import Examination
 from realitygap.models.naming.claims.ahead import Ahead
 from realitygap.models.naming.claims.written import written
 from realitygap.models.naming.diagnosis import Unexplained
-from realitygap.models.naming.engine.state import State
 from realitygap.models.naming.engine.threads import one_thread
 from realitygap.models.naming.laws.found import FoundLaw
 from realitygap.models.naming.laws.room import LawRoom
@@ -32,7 +31,7 @@ def with_laws(examined: Examination, log: MeasuredLog, table: pd.DataFrame) -> E
     identified = replace(examined.identified, state=None)
     said = examined.diagnosis
     if state is not None and said.unexplained:
-        laws = _laws(state, said.unexplained)
+        laws = _laws(LawRoom(state, said.named), said.unexplained)
         causes = [written(one, one.values) for one in said.named if one.exported]
         if laws:
             laws = useful(Ahead(log, table), examined.model, causes, laws, said.rules)
@@ -41,15 +40,15 @@ def with_laws(examined: Examination, log: MeasuredLog, table: pd.DataFrame) -> E
 
 
 @one_thread
-def _laws(state: State, left: Sequence[Unexplained]) -> tuple[FoundLaw, ...]:
+def _laws(room: LawRoom, left: Sequence[Unexplained]) -> tuple[FoundLaw, ...]:
     """Robot by robot, or of all together where all are meant."""
-    known = state.tracks.robots
+    known = room.state.tracks.robots
     if any(one.robots == "all" for one in left):
         groups = [list(range(len(known)))]
     else:
         every = {robot for one in left for robot in one.robots}
         groups = [[k] for k, robot in enumerate(known) if robot in every]
-    room, found, done = LawRoom(state), [], set[int]()
+    found, done = [], set[int]()
     for group in groups:
         if done & set(group):
             continue

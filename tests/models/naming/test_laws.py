@@ -8,6 +8,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 
 import realitygap as rg
 from realitygap.embedded_sim.laws import CHANNELS, Atom, Channel, Law
@@ -16,12 +17,18 @@ from realitygap.models.belief.law_values import product, value
 from realitygap.models.belief.law_words import equation, reading
 from realitygap.models.naming.channels.motion.robot import Robot, robots_of
 from realitygap.models.naming.channels.motion.tracks import cut_tracks
+from realitygap.models.naming.claims.ahead import KEYS, Ahead
 from realitygap.models.naming.engine.fitter import FOLDS
 from realitygap.models.naming.engine.marginal import Prior
 from realitygap.models.naming.laws import told
+from realitygap.models.naming.laws.amplitude import amounts
 from realitygap.models.naming.laws.columns import LawColumns
+from realitygap.models.naming.laws.found import Amount, FoundLaw
+from realitygap.models.naming.laws.grammar import Candidate
 from realitygap.models.naming.laws.judged import Panel
-from realitygap.models.naming.laws.selection import guarded
+from realitygap.models.naming.laws.selection import LawRobot, guarded
+from realitygap.models.naming.laws.useful import HARMS, USELESS, _judged
+from realitygap.models.naming.rules import Rules
 from tests.golden.answers import log_file
 
 RANDOM = np.random.default_rng(5)
@@ -124,15 +131,44 @@ def test_a_column_is_what_a_replay_with_the_law_changes(channel: Channel, atom: 
     assert np.linalg.norm(column - moved) < 0.06 * np.linalg.norm(moved)
 
 
-def test_intervals_of_amplitudes_hold() -> None:
-    """Of 200 logs about 95 % hold the amplitude: 13 misses at most are chance's (1 in 1 000)."""
-    random, hold = np.random.default_rng(4), 0
-    for _ in range(200):
-        robot, prior, law = rows(random, 0.3)
-        panel = panel_of(robot, prior)
-        found = panel.told(panel.sums(law[:, None], together=True))
-        hold += abs(found.value[0] - 0.3) < 1.96 * panel.spread(law, found)
-    assert hold >= 180
+@dataclass
+class Fading:
+    """A robot whose rows follow a gap's fade, as amplitudes are asked of it."""
+
+    panel: Panel
+    gap: FloatArray
+
+    def columns(self, law: Candidate) -> FloatArray:
+        return value(law.atoms[0], {"gap": self.gap})[:, None]
+
+
+def fading(random: np.random.Generator, amplitude: float) -> Fading:
+    robot, prior, _ = rows(random, 0.0)
+    gap = random.exponential(1.0, len(robot.own_errors))
+    robot.own_errors += amplitude * np.exp(-gap / 0.5)
+    return Fading(panel_of(robot, prior), gap)
+
+
+def faded(scale: float) -> Candidate:
+    return Candidate("both", (Atom("gap", "fade", (scale,)),))
+
+
+def test_intervals_of_amplitudes_hold_though_one_scale_is_fitted_to_all_robots() -> None:
+    """Of 180 robots in 60 logs about 95 % hold theirs, and fewer if the scale is taken as known."""
+    random, hold, known = np.random.default_rng(4), 0, 0
+    for _ in range(60):
+        robots = [fading(random, 1.0) for _ in range(3)]
+
+        def left(scale: float, robots: list[Fading] = robots) -> float:
+            columns = ((one.panel, one.columns(faded(scale))) for one in robots)
+            return -sum(p.told(p.sums(c, together=True)).deviance for p, c in columns)
+
+        law = faded(minimize_scalar(left, bounds=(0.05, 5.0), method="bounded").x)
+        some = cast(list[LawRobot], robots)
+        hold += sum(one.low < 1.0 < one.high for one in amounts(some, law, 3))
+        known += sum(one.low < 1.0 < one.high for one in amounts(some, law, 0))
+    assert 164 <= hold <= 179
+    assert known < hold - 3
 
 
 def test_what_one_place_alone_shows_counts_as_little_as_the_other_folds() -> None:
@@ -157,6 +193,9 @@ def test_atoms_are_what_they_say() -> None:
     np.testing.assert_allclose(value(Atom("place", "slope", (0.5, 0.0)), known), [0.2, 0.6])
     curve = Atom("radius", "curve", (0.0, 1.0, 0.0, 2.0, 4.0))
     np.testing.assert_allclose(value(curve, {"radius": q}), [0.0, 0.0, 2.0])
+    assert value(Atom("speed", "always"), {"speed": q}).tolist() == [1.0, 1.0, 1.0]
+    assert value(Atom("speed", "over", (1.0,)), {"speed": q}).tolist() == [0.5, 0.0, 0.0]
+    assert value(Atom("speed", "below", (1.0,)), {"speed": q}).tolist() == [0.0, 1.0, 1.0]
     both = product((Atom("turn", "sign"), Atom("turn", "power", (1.0, 1.0))), {"turn": q})
     assert both.tolist() == [-2.0, 0.0, 0.5]
 
@@ -167,6 +206,11 @@ def test_equations_are_told_in_both_scripts() -> None:
     assert equation("turn", (drag,), 0.08, latex=True) == (
         r"\Omega \mathrel{+}= 0.08\,\mathrm{rad/s} \, \cos(\psi - 0.5)"
     )
+    assert equation("aside", (Atom("speed", "always"),), -0.05) == "v_aside += −0.05 · v"
+    limit = Atom("wheel_speed", "over", (3.8,))
+    assert equation("both", (limit,), -1.0) == (
+        "ω_left, ω_right ×= 1 − 1 · max(1 − 3.8 rad/s / |ω|, 0)"
+    )
     assert (
         equation("left", (Atom("gap", "fade", (0.05,)),))
         == "ω_left ×= 1 + a · exp(-d_robot / 0.05 m)"
@@ -176,6 +220,8 @@ def test_equations_are_told_in_both_scripts() -> None:
 def test_a_reading_is_a_quantity_of_the_robot_where_one_is_known() -> None:
     once = Atom("left_angle", "cosine", (1.0, 0.0))
     assert "eccentric by 1 mm" in reading("left", (once,), 0.05, 0.02)
+    assert "motor at its limit" in reading("left", (Atom("wheel_speed", "over", (3.8,)),), -1, 0.02)
+    assert "wheels of another size" in reading("both", (Atom("speed", "always"),), 0.04, 0.02)
     assert "mechanism unknown" in reading("aside", (Atom("since", "fade", (1.0,)),), 0.1, 0.02)
 
 
@@ -209,6 +255,69 @@ def test_shyness_fades_with_the_gap() -> None:
     assert abs(atom["parameters"][0] - 0.05) < 0.005
     (amount,) = law["coefficients"]
     assert amount["low"] < -0.2 < amount["high"]
+
+
+def without(name: str) -> Any:
+    """The law of a kept log of a listed cause that the diagnosis has to do without."""
+    found = rg.diagnose(log_file(f"single-{name}"), without=(name,)).content
+    (law,) = found["laws"]
+    assert found["verdict"] == "unexplained"
+    assert law["robots"] == [1]
+    assert law["exported"]
+    return law
+
+
+def test_larger_wheels_come_back_as_a_constant_if_nobody_has_thought_of_them() -> None:
+    """Hidden: 4 % larger."""
+    law = without("wheel_radius_scale")
+    assert (law["channel"], law["atoms"][0]["form"]) == ("both", "always")
+    assert law["equation"].startswith("ω_left, ω_right ×= 1 + 0.0")
+    assert law["coefficients"][0]["low"] < 0.04 < law["coefficients"][0]["high"]
+
+
+@pytest.mark.slow
+def test_a_limit_comes_back_with_its_place_and_its_slope() -> None:
+    """Hidden: both wheels turn at most by 3.77 rad/s. Causes that mimic it were not named."""
+    law = without("motor_saturation")
+    assert (law["channel"], law["atoms"][0]["form"]) == ("both", "over")
+    assert law["atoms"][0]["parameters"] == [pytest.approx(3.77, abs=0.02)]
+    assert law["coefficients"][0]["low"] < -1.0 < law["coefficients"][0]["high"]
+
+
+class OneBlockEach:
+    """Windows that are judged, each a block of its own."""
+
+    def block(self, name: str, robots: Any) -> Any:
+        return np.arange(4)
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"position_1s": 0.9}, ""),
+        ({"position_1s": 0.9, "heading_20s": 1.03}, HARMS.format("heading_20s")),
+        ({"position_1s": 0.99, "heading_20s": 1.01}, USELESS),
+    ],
+)
+def test_a_law_is_exported_if_it_helps_and_makes_nothing_worse(changes: Any, why: str) -> None:
+    law = FoundLaw(
+        channel="turn",
+        of="turn",
+        atoms=(Atom("turn", "sign"),),
+        robots=(1,),
+        amounts={1: Amount(0.1, 0.0, 0.2)},
+        shape=True,
+        whole_swarm=False,
+        reading="",
+        gain=20.0,
+        ceiling=20.0,
+        decoy=0.0,
+        compared=2,
+    )
+    before = {name: np.array([1.0, 2.0, 3.0, 1.0]) for name in KEYS}
+    after = {name: size * changes.get(name, 1.0) for name, size in before.items()}
+    judged = _judged(law, cast(Ahead, OneBlockEach()), [before], [after], Rules())
+    assert (judged.exported, judged.why) == (not why, why)
 
 
 def test_nothing_is_asked_where_nothing_is_unexplained(monkeypatch: pytest.MonkeyPatch) -> None:
