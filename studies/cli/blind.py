@@ -38,7 +38,7 @@ def blind(
     scheduler: Scheduler = None,
     seed: Seed = 0,
     engine: Engine = "pybullet",
-    rays: Rays = "engine",
+    rays: Rays = "closed",
     only: Annotated[
         list[str] | None,
         typer.Option(help="Effect to draw from, or condition, repeatable; all if absent."),

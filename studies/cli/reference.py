@@ -45,7 +45,7 @@ def reference(
     ] = False,
     seed: Seed = 0,
     engine: Engine = "pybullet",
-    rays: Rays = "engine",
+    rays: Rays = "closed",
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,

@@ -16,13 +16,14 @@ from realitygap.models.naming.channels.motion.diagnose import diagnose as diagno
 from realitygap.models.naming.channels.senses.joined import WholeExamination, with_senses
 from realitygap.models.naming.diagnosis import as_json, extension
 from realitygap.models.naming.frame import in_the_models_frame
-from realitygap.models.naming.health.reference import Reference, read_reference, shipped_reference
-from realitygap.models.naming.health.senses import (
-    SenseReference,
-    beside,
-    read_sense_reference,
-    shipped_sense_reference,
+from realitygap.models.naming.health.reference import (
+    HOME,
+    WORLDS,
+    Reference,
+    read_reference,
+    shipped_file,
 )
+from realitygap.models.naming.health.senses import SenseReference, beside, read_sense_reference
 from realitygap.models.naming.proposal.propose import with_proposal
 from realitygap.models.naming.rules import Rules
 from realitygap.models.naming.strangers import without_strangers
@@ -56,7 +57,7 @@ def diagnose(
     Args:
         log: A measured log or several, as `read_log` takes them.
         model: What the robots' simulators believe; that of the log, or the e-puck, if absent.
-        reference: Healthy reference (JSON), or "none"; the shipped one of the model if absent.
+        reference: Healthy reference: JSON, a world's shipped one, or "none"; pybullet's if absent.
         without: Causes of the catalogue to do without, as if unknown.
         rules: What naming is tuned to; `rules()` lists it.
         seed: Of the resampling.
@@ -97,9 +98,7 @@ def _examined(
 ) -> WholeExamination:
     """All that is said about a log."""
     model, measured, seed = log.model, log.measured, request.seed
-    scripted = manoeuvres(measured)
-    healthy = _reference(request.reference, model.file, scripted)
-    senses = _sense_reference(request.reference, model.file, scripted)
+    healthy, senses = _references(request.reference, model.file, manoeuvres(measured))
     alike = healthy is not None and healthy.recorded_like(measured.recorder, measured.step)
     with withholding(request.without):
         begin("motion")
@@ -150,27 +149,23 @@ def _result(request: Request, log: Log, examined: WholeExamination) -> Diagnosis
 def _inputs(request: Request) -> list[dict[str, str]]:
     """The files that a diagnosis is a function of."""
     read = [*(log.entry("LOG") for log in request.logs), *request.model.entries()]
-    if request.reference is not None and request.reference != NO_REFERENCE:
-        given = Path(request.reference)
+    if request.reference not in (None, NO_REFERENCE, *WORLDS):
+        given = Path(str(request.reference))
         halves = (given, beside(given))
         read += [file_read("--reference", half) for half in halves if half.is_file()]
     return read
 
 
-def _reference(given: str | None, model: ModelFile, scripted: bool) -> Reference | None:
-    """The healthy reference asked for, or the shipped one of the model."""
+def _references(
+    given: str | None, model: ModelFile, scripted: bool
+) -> tuple[Reference | None, SenseReference | None]:
+    """The healthy references of motion and of the senses that are asked for, or shipped ones."""
     if given == NO_REFERENCE:
-        return None
-    if given is not None:
-        return read_reference(Path(given))
-    return shipped_reference(model.name, manoeuvres=scripted)
-
-
-def _sense_reference(given: str | None, model: ModelFile, scripted: bool) -> SenseReference | None:
-    """The senses' reference beside the one asked for, or the shipped one of the model."""
-    if given == NO_REFERENCE:
-        return None
-    if given is None:
-        return shipped_sense_reference(model.name, manoeuvres=scripted)
-    path = beside(Path(given))
-    return read_sense_reference(path) if path.is_file() else None
+        return None, None
+    world = HOME if given is None else given
+    shipped = shipped_file(model.name, world=world, manoeuvres=scripted)
+    path = shipped if world in WORLDS else Path(world)
+    if path is None:
+        return None, None
+    senses = beside(path)
+    return read_reference(path), read_sense_reference(senses) if senses.is_file() else None

@@ -161,7 +161,7 @@ class Begun(Exception):
 
 WORK = (
     "realitygap.studies.run.experiment.simulate",
-    "realitygap.reality.capture.capture",
+    "realitygap.studies.run.capture.captured",
     "realitygap.studies.demo.chapters.tell",
     "realitygap.studies.diagnosis.diagnose.diagnose",
     "realitygap.studies.gain.measure.gain",
