@@ -16,6 +16,7 @@ from realitygap.models.naming.engine.value import Value
 from realitygap.models.naming.findings import Evidence, Named
 from realitygap.models.naming.health.reference import (
     DIRECTORY,
+    HOME,
     Column,
     Reference,
     no_reference,
@@ -193,7 +194,7 @@ def test_a_reference_with_correlations_of_nothing_is_refused(
 
 
 def test_a_reference_of_another_schema_is_refused_with_what_makes_one(tmp_path: Path) -> None:
-    old = json.loads((DIRECTORY / "epuck.json").read_text(encoding="utf-8")) | {"schema_version": 1}
+    old = json.loads((DIRECTORY / HOME / "e-puck.json").read_text("utf-8")) | {"schema_version": 1}
     (tmp_path / "old.json").write_text(json.dumps(old | {"terms": {}}), encoding="utf-8")
     with pytest.raises(InputError, match=r"schema_version: got 1, expected 2; make it anew"):
         read_reference(tmp_path / "old.json")
