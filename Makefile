@@ -43,11 +43,13 @@ lint: $(STAMP) ## style, types, import rules, C formatting
 site: $(STAMP) ## the documents as a site in build/site
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict --site-dir build/site
 
+HEALTH := $(BIN)/realitygap reference --force --out models/naming/health/references
 references: $(STAMP) ## sensor tables, healthy references and kept logs anew, after a change of the world or a new cause
 	$(BIN)/realitygap capture --out models/belief/captured/epuck.npz --force
-	$(BIN)/realitygap reference --runs 40 --seed 11 --out models/naming/health/references/pybullet/e-puck.json --force
-	$(BIN)/realitygap reference --runs 13 --seed 21 --manoeuvres \
-	    --out models/naming/health/references/pybullet/manoeuvres/e-puck.json --force
+	$(HEALTH)/pybullet/e-puck.json --runs 40 --seed 11
+	$(HEALTH)/pybullet/manoeuvres/e-puck.json --runs 13 --seed 21 --manoeuvres
+	$(HEALTH)/mujoco/e-puck.json --runs 20 --seed 11 --engine mujoco
+	$(HEALTH)/pooled/e-puck.json --runs 20 --seed 11 --engine pybullet --engine mujoco
 	$(BIN)/python -m tests.golden logs
 	$(BIN)/python -m tests.golden answers
 

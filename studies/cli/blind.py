@@ -15,6 +15,7 @@ from realitygap.studies.cli.options import (
     Jobs,
     Quiet,
     Rays,
+    Reference,
     Scheduler,
     Seed,
     out_option,
@@ -39,6 +40,7 @@ def blind(
     seed: Seed = 0,
     engine: Engine = "pybullet",
     rays: Rays = "closed",
+    reference: Reference = None,
     only: Annotated[
         list[str] | None,
         typer.Option(help="Effect to draw from, or condition, repeatable; all if absent."),
@@ -91,6 +93,7 @@ def blind(
             seed=seed,
             engine=engine,
             rays=rays,
+            reference=reference,
             only=only or (),
             at_bars=at_bars,
             crowd=crowd,

@@ -9,25 +9,16 @@ from pathlib import Path
 
 from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.models.belief.catalogue import every_cause
-from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.belief.withheld import without as withholding
-from realitygap.models.log.repertoire import manoeuvres
 from realitygap.models.naming.channels.motion.diagnose import diagnose as diagnose_motion
 from realitygap.models.naming.channels.senses.joined import WholeExamination, with_senses
 from realitygap.models.naming.diagnosis import as_json, extension
 from realitygap.models.naming.frame import in_the_models_frame
-from realitygap.models.naming.health.reference import (
-    HOME,
-    WORLDS,
-    Reference,
-    read_reference,
-    shipped_file,
-)
-from realitygap.models.naming.health.senses import SenseReference, beside, read_sense_reference
 from realitygap.models.naming.proposal.propose import with_proposal
 from realitygap.models.naming.rules import Rules
 from realitygap.models.naming.strangers import without_strangers
 from realitygap.studies.diagnosis.next_experiment import commands, plan
+from realitygap.studies.diagnosis.references import reference_files, references
 from realitygap.studies.diagnosis.request import Request
 from realitygap.studies.diagnosis.result import FILE, DiagnosisResult
 from realitygap.studies.diagnosis.rules import changed
@@ -35,9 +26,7 @@ from realitygap.studies.inputs.logs import AnyLog, Log, as_log, log_hash
 from realitygap.studies.inputs.model import AnyModel, Model
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.progress import unseen
-from realitygap.studies.plumbing.provenance import file_read, versions
-
-NO_REFERENCE = "none"
+from realitygap.studies.plumbing.provenance import versions
 
 
 def diagnose(
@@ -57,7 +46,8 @@ def diagnose(
     Args:
         log: A measured log or several, as `read_log` takes them.
         model: What the robots' simulators believe; that of the log, or the e-puck, if absent.
-        reference: Healthy reference: JSON, a world's shipped one, or "none"; pybullet's if absent.
+        reference: Healthy reference: a file (JSON), "pybullet", "mujoco" or "pooled" for a shipped
+            one, or "none"; that of the world that recorded the log, else pybullet's, if absent.
         without: Causes of the catalogue to do without, as if unknown.
         rules: What naming is tuned to; `rules()` lists it.
         seed: Of the resampling.
@@ -98,7 +88,7 @@ def _examined(
 ) -> WholeExamination:
     """All that is said about a log."""
     model, measured, seed = log.model, log.measured, request.seed
-    healthy, senses = _references(request.reference, model.file, manoeuvres(measured))
+    healthy, senses = references(request.reference, measured, model.file)
     alike = healthy is not None and healthy.recorded_like(measured.recorder, measured.step)
     with withholding(request.without):
         begin("motion")
@@ -149,23 +139,4 @@ def _result(request: Request, log: Log, examined: WholeExamination) -> Diagnosis
 def _inputs(request: Request) -> list[dict[str, str]]:
     """The files that a diagnosis is a function of."""
     read = [*(log.entry("LOG") for log in request.logs), *request.model.entries()]
-    if request.reference not in (None, NO_REFERENCE, *WORLDS):
-        given = Path(str(request.reference))
-        halves = (given, beside(given))
-        read += [file_read("--reference", half) for half in halves if half.is_file()]
-    return read
-
-
-def _references(
-    given: str | None, model: ModelFile, scripted: bool
-) -> tuple[Reference | None, SenseReference | None]:
-    """The healthy references of motion and of the senses that are asked for, or shipped ones."""
-    if given == NO_REFERENCE:
-        return None, None
-    world = HOME if given is None else given
-    shipped = shipped_file(model.name, world=world, manoeuvres=scripted)
-    path = shipped if world in WORLDS else Path(world)
-    if path is None:
-        return None, None
-    senses = beside(path)
-    return read_reference(path), read_sense_reference(senses) if senses.is_file() else None
+    return [*read, *reference_files(request.reference)]

@@ -154,7 +154,7 @@ def test_healthy_runs_for_a_reference_are_of_the_engine_asked_for(
     monkeypatch.setattr(
         "realitygap.studies.run.experiment.simulate", lambda config, *rest: seen.append(config)
     )
-    request = ReferenceRequest(runs=1, engine="mujoco", rays="engine", model=Model.load())
+    request = ReferenceRequest(runs=1, engines=("mujoco",), rays="engine", model=Model.load())
     reference._record((request, 0, reference.KINDS[0], tmp_path))
     assert [(config.engine, config.rays) for config in seen] == [("mujoco", "engine")]
 
@@ -166,8 +166,8 @@ def test_what_a_user_would_type_names_an_engine_that_is_not_the_usual() -> None:
     assert "--engine" not in GainRequest(**gain).command
     assert "--rays engine" in GainRequest(**gain, rays="engine").command
     assert "--rays" not in GainRequest(**gain).command
-    assert "--engine mujoco" in ReferenceRequest(runs=1, engine="mujoco", model=model).command
-    assert "--engine" not in ReferenceRequest(logs=log, engine="mujoco", model=model).command
+    assert "--engine mujoco" in ReferenceRequest(runs=1, engines=("mujoco",), model=model).command
+    assert "--engine" not in ReferenceRequest(logs=log, engines=("mujoco",), model=model).command
     assert "--rays engine" in ReferenceRequest(runs=1, rays="engine", model=model).command
     assert "--rays" not in ReferenceRequest(logs=log, rays="engine", model=model).command
 

@@ -17,16 +17,20 @@ from realitygap.models.naming.findings import Evidence, Named
 from realitygap.models.naming.health.reference import (
     DIRECTORY,
     HOME,
+    WORLDS,
     Column,
     Reference,
     no_reference,
     read_reference,
+    shipped_file,
     shipped_reference,
     write_reference,
 )
+from realitygap.models.naming.health.senses import beside, read_sense_reference
 from realitygap.models.naming.proposal.menu import Option, Proposal
 from realitygap.studies.diagnosis.words import verdict_sentence
 from realitygap.studies.inputs.model import Model
+from tests.helpers import ROOT
 
 
 def named(*, rivals: tuple[Term, ...] = (), twins: tuple[Term, ...] = ()) -> Named:
@@ -124,6 +128,30 @@ def test_the_shipped_reference_belongs_to_the_shipped_robot() -> None:
     assert found.wheel_radius == model.robot.wheel_radius
     assert found.robots >= 50
     assert shipped_reference("no such robot") is None
+
+
+@pytest.mark.parametrize("world", WORLDS)
+def test_a_shipped_reference_is_of_its_world_and_made_as_the_makefile_says(world: str) -> None:
+    recipe = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for manoeuvres in (False, True):
+        path = shipped_file("e-puck", world=world, manoeuvres=manoeuvres)
+        assert path is not None
+        assert path.parts[-2] == ("manoeuvres" if manoeuvres and world == HOME else world)
+        found, senses = read_reference(path), read_sense_reference(beside(path))
+        assert found.recorder == ("" if world == "pooled" else f"reality {world}")
+        assert found.command == senses.command
+        words = found.command.removeprefix("realitygap reference ")
+        assert f"$(HEALTH)/{path.relative_to(DIRECTORY)} {words}\n" in recipe
+
+
+def test_a_pooled_reference_lets_swarms_differ_as_engines_do() -> None:
+    """What whole swarms have in common differs between engines, in the pooled one between runs."""
+    one, other, pooled = (
+        read_reference(path) for name in WORLDS if (path := shipped_file("e-puck", world=name))
+    )
+    late, runs = "clock_offset.seconds", "swarm_sd"
+    assert getattr(pooled.columns[late], runs) > getattr(one.columns[late], runs)
+    assert getattr(pooled.columns[late], runs) > getattr(other.columns[late], runs)
 
 
 def test_a_reference_survives_its_file(tmp_path: Path) -> None:
