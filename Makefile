@@ -49,7 +49,6 @@ references: $(STAMP) ## sensor tables, healthy references and kept logs anew, af
 	$(HEALTH)/pybullet/e-puck.json --runs 40 --seed 11
 	$(HEALTH)/pybullet/manoeuvres/e-puck.json --runs 13 --seed 21 --manoeuvres
 	$(HEALTH)/mujoco/e-puck.json --runs 20 --seed 11 --engine mujoco
-	$(HEALTH)/pooled/e-puck.json --runs 20 --seed 11 --engine pybullet --engine mujoco
 	$(BIN)/python -m tests.golden logs
 	$(BIN)/python -m tests.golden answers
 

@@ -42,7 +42,7 @@ Rays = Annotated[
 Reference = Annotated[
     str | None,
     typer.Option(
-        help="Healthy reference: a file, pybullet, mujoco or pooled for a shipped one, or none; "
+        help="Healthy reference: a file, pybullet or mujoco for a shipped one, or none; "
         "that of the world that recorded the log if absent, else pybullet's."
     ),
 ]

@@ -46,8 +46,8 @@ def diagnose(
     Args:
         log: A measured log or several, as `read_log` takes them.
         model: What the robots' simulators believe; that of the log, or the e-puck, if absent.
-        reference: Healthy reference: a file (JSON), "pybullet", "mujoco" or "pooled" for a shipped
-            one, or "none"; that of the world that recorded the log, else pybullet's, if absent.
+        reference: Healthy reference: a file (JSON), "pybullet" or "mujoco" for a shipped one, or
+            "none"; that of the world that recorded the log, else pybullet's, if absent.
         without: Causes of the catalogue to do without, as if unknown.
         rules: What naming is tuned to; `rules()` lists it.
         seed: Of the resampling.

@@ -157,6 +157,13 @@ def test_healthy_runs_for_a_reference_are_of_the_engine_asked_for(
     request = ReferenceRequest(runs=1, engines=("mujoco",), rays="engine", model=Model.load())
     reference._record((request, 0, reference.KINDS[0], tmp_path))
     assert [(config.engine, config.rays) for config in seen] == [("mujoco", "engine")]
+    pooled = ReferenceRequest(runs=8, engines=("pybullet", "mujoco"), model=Model.load())
+    for number in range(8):
+        room = tmp_path / str(number)
+        room.mkdir()
+        reference._record((pooled, number, reference.KINDS[number % 4], room))
+    assert [config.engine for config in seen[1:]] == 4 * ["pybullet"] + 4 * ["mujoco"]
+    assert pooled.command.endswith("--engine pybullet --engine mujoco")
 
 
 def test_what_a_user_would_type_names_an_engine_that_is_not_the_usual() -> None:

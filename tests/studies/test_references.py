@@ -28,7 +28,7 @@ ROBOT = read_model_file("epuck")
         ("a lab", None, "pybullet"),
         ("", None, "pybullet"),
         ("reality mujoco", "pybullet", "pybullet"),
-        ("reality pybullet", "pooled", "pooled"),
+        ("reality pybullet", "mujoco", "mujoco"),
     ],
 )
 def test_health_is_that_of_the_world_asked_for_or_of_the_one_that_recorded_the_log(
@@ -60,7 +60,7 @@ def test_every_diagnosis_of_a_battery_goes_by_the_reference_asked_for(
     assert shipped is not None
     monkeypatch.chdir(tmp_path)
     lab = Path(shutil.copy(shipped, tmp_path / "lab.json"))
-    for given, told in (("pooled", "pooled"), (lab.name, str(lab)), (None, None)):
+    for given, told in (("mujoco", "mujoco"), (lab.name, str(lab)), (None, None)):
         with pytest.raises(Asked) as one:
             rg.blind(f"out-{given}", trials=1, reference=given, conditions=conditions)
         assert one.value.args == ({"reference": told}, told)

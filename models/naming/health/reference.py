@@ -30,8 +30,8 @@ from realitygap.models.naming.rules import Rules
 
 DIRECTORY = Path(__file__).parent / "references"
 HOME = "pybullet"
-WORLDS = (HOME, "mujoco", "pooled")
-"""Whose healthy robots there are shipped references of: of either engine's world, or of both."""
+WORLDS = (HOME, "mujoco")
+"""Whose healthy robots there are shipped references of: of either engine's world."""
 SCHEMA = 2
 """Of the file. No rule."""
 LIKE = 0.01

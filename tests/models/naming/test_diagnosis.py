@@ -138,20 +138,10 @@ def test_a_shipped_reference_is_of_its_world_and_made_as_the_makefile_says(world
         assert path is not None
         assert path.parts[-2] == ("manoeuvres" if manoeuvres and world == HOME else world)
         found, senses = read_reference(path), read_sense_reference(beside(path))
-        assert found.recorder == ("" if world == "pooled" else f"reality {world}")
+        assert found.recorder == f"reality {world}"
         assert found.command == senses.command
         words = found.command.removeprefix("realitygap reference ")
         assert f"$(HEALTH)/{path.relative_to(DIRECTORY)} {words}\n" in recipe
-
-
-def test_a_pooled_reference_lets_swarms_differ_as_engines_do() -> None:
-    """What whole swarms have in common differs between engines, in the pooled one between runs."""
-    one, other, pooled = (
-        read_reference(path) for name in WORLDS if (path := shipped_file("e-puck", world=name))
-    )
-    late, runs = "clock_offset.seconds", "swarm_sd"
-    assert getattr(pooled.columns[late], runs) > getattr(one.columns[late], runs)
-    assert getattr(pooled.columns[late], runs) > getattr(other.columns[late], runs)
 
 
 def test_a_reference_survives_its_file(tmp_path: Path) -> None:
