@@ -19,7 +19,7 @@ CORE_H := $(wildcard embedded_sim/core/*.h)
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help demo test slow lint site mutants bench asan fuzz fuzz-core blind kills clean
+.PHONY: help demo test slow lint site references mutants bench asan fuzz fuzz-core blind kills clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -42,6 +42,15 @@ lint: $(STAMP) ## style, types, import rules, C formatting
 
 site: $(STAMP) ## the documents as a site in build/site
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict --site-dir build/site
+
+HEALTH := $(BIN)/realitygap reference --force --out models/naming/health/references
+references: $(STAMP) ## sensor tables, healthy references and kept logs anew, after a change of the world or a new cause
+	$(BIN)/realitygap capture --out models/belief/captured/epuck.npz --force
+	$(HEALTH)/pybullet/e-puck.json --runs 40 --seed 11
+	$(HEALTH)/pybullet/manoeuvres/e-puck.json --runs 13 --seed 21 --manoeuvres
+	$(HEALTH)/mujoco/e-puck.json --runs 20 --seed 11 --engine mujoco
+	$(BIN)/python -m tests.golden logs
+	$(BIN)/python -m tests.golden answers
 
 mutants: $(STAMP) ## whether the tests notice the faults listed in tests/mutants.toml; by hand only
 	$(BIN)/python -m tests.mutants $(ONLY)

@@ -14,7 +14,7 @@ import numpy as np
 from realitygap.embedded_sim import SENSORS, Tables
 from realitygap.reality import constants as k
 from realitygap.reality.hardware import FloatArray, Hardware
-from realitygap.reality.pybullet_engine import PybulletEngine
+from realitygap.reality.rays import ClosedRays
 from realitygap.reality.senses import Infrared, Light
 
 PS_DISTANCES, PS_INCIDENCES = 48, 11
@@ -25,8 +25,8 @@ LS_RANGE = k.LAMP_RADIUS + k.ARENA_RADIUS
 """m: no robot is further from a lamp."""
 REPEATS = 128
 """Readings per node."""
-WALL_LENGTH = 2.0
-"""m of flat wall: a grazing ray needs more of it than the arena's curve leaves."""
+FLAT = np.array([[1.0, 0.0]])
+"""Outward normal of a flat wall: a grazing ray needs more of it than the arena's curve leaves."""
 LAMP_AT_NEST = 2
 
 
@@ -41,14 +41,8 @@ def capture(
     """
     infrared_seed, light_seed = seed.spawn(2)
     hardware = Hardware.nominal(1)
-    engine = PybulletEngine()
-    try:
-        engine.add_wall(k.ARENA_RADIUS, 0.0, 0.0, WALL_LENGTH)
-        engine.add_epuck([0.0, 0.0, 0.0])
-        infrared = Infrared(hardware, np.random.default_rng(infrared_seed))
-        ps, noise = _capture_infrared(engine, infrared, hardware, progress)
-    finally:
-        engine.close()
+    infrared = Infrared(hardware, np.random.default_rng(infrared_seed))
+    ps, noise = _capture_infrared(infrared, hardware, progress)
     light = Light(hardware, np.random.default_rng(light_seed))
     dark, ls = _capture_light(light, hardware, progress)
     return Tables(
@@ -79,12 +73,12 @@ def _before_wall(sensor_angle: float, distance: float, incidence: float) -> Floa
 
 
 def _capture_infrared(
-    engine: PybulletEngine,
     infrared: Infrared,
     hardware: Hardware,
     progress: Callable[[float], None],
 ) -> tuple[np.ndarray[tuple[int, ...], np.dtype[np.float32]], FloatArray]:
     """Median counts (8, distances, incidences) and the relative half width of the noise (8,)."""
+    wall = ClosedRays(np.zeros((0, 3)), k.ARENA_RADIUS, FLAT)
     distances = k.IR_RANGE * np.linspace(0.0, 1.0, PS_DISTANCES) ** 2
     incidences = np.arccos(np.maximum(np.linspace(0.0, 1.0, PS_INCIDENCES), 1e-3))
     table = np.zeros((SENSORS, PS_DISTANCES, PS_INCIDENCES), dtype=np.float32)
@@ -94,8 +88,7 @@ def _capture_infrared(
         for i, distance in enumerate(distances.tolist()):
             for j, incidence in enumerate(incidences.tolist()):
                 pose = _before_wall(angle, min(distance, k.IR_RANGE - 1e-3), incidence)
-                engine.teleport(0, pose.tolist())
-                readings = np.array([_read(infrared, engine, pose)[sensor] for _ in range(REPEATS)])
+                readings = np.array([_read(infrared, wall, pose)[sensor] for _ in range(REPEATS)])
                 median = float(np.median(readings))
                 table[sensor, i, j] = median
                 if 300.0 < median < 0.5 * k.COUNTS_MAX:
@@ -107,8 +100,8 @@ def _capture_infrared(
     return table, np.full(SENSORS, math.sqrt(3.0) * 1.4826 * pooled)
 
 
-def _read(infrared: Infrared, engine: PybulletEngine, pose: FloatArray) -> FloatArray:
-    infrared.sense(engine, pose[np.newaxis])
+def _read(infrared: Infrared, wall: ClosedRays, pose: FloatArray) -> FloatArray:
+    infrared.sense(wall, pose[np.newaxis])
     return infrared.counts.reshape(SENSORS)
 
 

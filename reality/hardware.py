@@ -74,6 +74,8 @@ class Hardware:
     """(robots, 2) rad/s, most a motor turns."""
     dead_zone: FloatArray
     """(robots, 2) rad/s, slower commands do not turn the wheel."""
+    motor_gain: FloatArray
+    """(robots, 2) speed that a motor is asked for, over what its wheel is told."""
     droop: FloatArray
     """(robots,) 1/s, share of speed lost with time."""
     start_delay: FloatArray
@@ -137,6 +139,7 @@ class Hardware:
             motor_lag=np.zeros(robots),
             speed_limit=rows([np.inf] * 2),
             dead_zone=rows([0.0] * 2),
+            motor_gain=rows([1.0] * 2),
             droop=np.zeros(robots),
             start_delay=np.zeros(robots),
             slew_limit=np.full(robots, np.inf),

@@ -32,6 +32,7 @@ class Motors:
             (hardware.command_delay > 0.0)
             | (hardware.motor_lag > 0.0)
             | (hardware.droop != 0.0)
+            | (hardware.motor_gain != 1.0).any(axis=1)
             | (hardware.speed_limit < np.inf).any(axis=1)
             | (hardware.turn_first < np.inf)
             | (hardware.start_delay > 0.0)
@@ -84,7 +85,7 @@ class Chain:
 
     def __init__(self, hardware: Hardware, robots: npt.NDArray[np.intp]) -> None:
         self._limit, self._dead = hardware.speed_limit[robots], hardware.dead_zone[robots]
-        self._droop = hardware.droop[robots, None]
+        self._droop, self._gain = hardware.droop[robots, None], hardware.motor_gain[robots]
         self._start_delay = hardware.start_delay[robots, None]
         self._released: FloatArray = np.zeros((len(robots), 2))
         """s from which on each wheel turns the way it was last told to, if it still is."""
@@ -178,5 +179,5 @@ class Chain:
         speed = np.abs(command)
         speed[speed < self._dead] = 0.0
         np.minimum(speed, self._limit, out=speed)
-        speed *= np.maximum(1.0 - self._droop * now, 0.0)
+        speed *= self._gain * np.maximum(1.0 - self._droop * now, 0.0)
         return np.copysign(speed, command)

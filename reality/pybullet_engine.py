@@ -68,7 +68,6 @@ class PybulletEngine:
         self._back = 0.5 * step  # s before its end is the middle of a step
         self._client: int = bullet.connect(bullet.DIRECT)
         self._bodies: list[int] = []
-        self._faces: dict[int, tuple[float, float]] = {}  # inward normal of each wall, by body
         self._ring: set[int] = set()  # bodies of a ring around the origin
         bullet.setPhysicsEngineParameter(
             fixedTimeStep=step,
@@ -90,24 +89,6 @@ class PybulletEngine:
         if self._client >= 0:
             bullet.disconnect(self._client)
             self._client = -1
-
-    def add_wall(self, x: float, y: float, yaw: float, length: float) -> None:
-        """A straight wall (m, rad) whose inner face runs through (x, y), facing along -yaw."""
-        half = 0.5 * k.WALL_THICKNESS
-        box = self._shape(bullet.GEOM_BOX, halfExtents=[half, 0.5 * length, 0.5 * k.WALL_HEIGHT])
-        wall = self._body(
-            0.0,
-            box,
-            basePosition=[
-                x + half * math.cos(yaw),
-                y + half * math.sin(yaw),
-                0.5 * k.WALL_HEIGHT,
-            ],
-            baseOrientation=bullet.getQuaternionFromEuler([0.0, 0.0, yaw]),
-        )
-        self._collide(wall, _BASE, _WALL, _BODY | _RAY)
-        self._faces[wall] = (-math.cos(yaw), -math.sin(yaw))
-        self._dynamics(wall, _BASE, lateralFriction=1.0)
 
     def add_ring(self, radius: float = k.ARENA_RADIUS) -> None:
         """The arena's circular wall: facets, in as few bodies as the engine takes.
@@ -240,18 +221,6 @@ class PybulletEngine:
         """(robots, 6) m/s and rad/s of the centres of mass; None: poses need none."""
         return None
 
-    def teleport(self, robot: int, pose: Sequence[float]) -> None:
-        """Put a robot down at rest with the middle of its axle at pose (x, y, yaw)."""
-        c, s = math.cos(pose[2]), math.sin(pose[2])
-        x, y, z = k.CENTRE_OF_MASS
-        bullet.resetBasePositionAndOrientation(
-            self._bodies[robot],
-            [pose[0] + c * x - s * y, pose[1] + s * x + c * y, z],
-            bullet.getQuaternionFromEuler([0.0, 0.0, pose[2]]),
-            physicsClientId=self._client,
-        )
-        bullet.performCollisionDetection(self._client)  # or rays meet the body where it was
-
     def cast(
         self,
         start: FloatArray,
@@ -285,7 +254,7 @@ class PybulletEngine:
         if body in self._ring:
             facet = round(math.atan2(place[1], place[0]) / _FACET)
             return _RING_NORMALS[facet % k.WALL_FACETS]
-        return self._faces.get(body) or normal[:2]
+        return normal[:2]  # type: ignore[no-any-return]
 
     def _shape(self, kind: int, **size: Any) -> int:
         shape: int = bullet.createCollisionShape(kind, physicsClientId=self._client, **size)

@@ -20,7 +20,7 @@ FloatArray = npt.NDArray[np.float64]
 
 RaysName = Literal["engine", "closed"]
 RAYS: tuple[RaysName, ...] = get_args(RaysName)
-DEFAULT_RAYS: RaysName = "engine"
+DEFAULT_RAYS: RaysName = "closed"
 """What the shipped tables and references were measured with."""
 
 _FACET = 2.0 * math.pi * np.arange(k.WALL_FACETS) / k.WALL_FACETS
@@ -49,14 +49,17 @@ class Rays(Protocol):
 class ClosedRays:
     """Rays against upright cylinders and flat facets, exactly."""
 
-    def __init__(self, poses: FloatArray, wall: float | None) -> None:
+    def __init__(
+        self, poses: FloatArray, wall: float | None, outward: FloatArray = OUTWARD
+    ) -> None:
         """
         Args:
             poses: (robots, 3) of the bodies; its owner keeps it up to date.
             wall: m from the origin to the middle of every facet; None: there is no wall.
+            outward: (facets, 2) normals of the wall's facets.
         """
         self._poses = poses
-        self._outward = OUTWARD[:0] if wall is None else OUTWARD
+        self._outward = outward[:0] if wall is None else outward
         self._wall = wall or 0.0
 
     def cast(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from realitygap.studies.blind.record import Diagnosed, run_trial
 from realitygap.studies.blind.report import write_report
 from realitygap.studies.blind.summary import summarise
 from realitygap.studies.blind.trials import BlindConfig, blind_config, plan
+from realitygap.studies.diagnosis.references import lasting_reference, reference_files
 from realitygap.studies.plumbing.execution import Workers
 from realitygap.studies.plumbing.output import whole_file
 from realitygap.studies.plumbing.provenance import write_json
@@ -39,6 +41,7 @@ def blind(
     conditions: bool = False,
     engine: str = DEFAULT,
     rays: str = DEFAULT_RAYS,
+    reference: Path | str | None = None,
     jobs: int | None = None,
     scheduler: str | None = None,
     quiet: bool = True,
@@ -59,6 +62,7 @@ def blind(
         conditions: Diagnose one log under many conditions instead (docs/conditions.md).
         engine: Physics of the world: pybullet, pybullet-strict or mujoco.
         rays: Who answers what infrared meets: engine, or closed.
+        reference: Healthy reference of every diagnosis, as `diagnose` takes it.
         jobs: Processes; all cores if absent.
         scheduler: Address of a Dask scheduler whose workers have this program.
         quiet: Otherwise how far it has come is told on standard error.
@@ -73,6 +77,9 @@ def blind(
     workers = Workers.chosen(jobs, scheduler)
     common: dict[str, Any] = {"seed": seed, "engine": engine_name(engine), "rays": rays_name(rays)}
     common |= {} if trials is None else {"trials": trials}
+    if reference is not None:
+        lasting = lasting_reference(reference)
+        common |= {"reference": lasting, "inputs": tuple(reference_files(lasting))}
     draws = {"at_bars": at_bars, "kinds": tuple(kinds), "leave_one_out": leave_one_out}
     draws |= {"crowd": crowd, "build_spread": build_spread}
     draws |= {"seconds": tuple(seconds)} if seconds else {}
@@ -99,7 +106,7 @@ def run_battery(
     workers: Workers,
     *,
     quiet: bool = False,
-    diagnosed: Diagnosed = ask,
+    diagnosed: Diagnosed | None = None,
 ) -> dict[str, Any]:
     """Run or resume a battery in `out`; returns the content of `blind.json`.
 
@@ -108,7 +115,7 @@ def run_battery(
         out: The battery's directory.
         workers: Where trials run; each records and has its log diagnosed.
         quiet: Say nothing.
-        diagnosed: What diagnoses the log in a directory; importable.
+        diagnosed: What diagnoses the log in a directory; importable; `ask` if absent.
 
     Raises:
         InputError: `out` cannot be used.
@@ -116,7 +123,8 @@ def run_battery(
         WorkersLost: workers keep dying.
     """
     with BlindDirectory(out, config, plan(config)).held() as directory:
-        do_missing(directory, workers, quiet, diagnosed, run_trial)
+        who = diagnosed or partial(ask, reference=config.reference)
+        do_missing(directory, workers, quiet, who, run_trial)
         summary = summarise(directory)
         with whole_file(out / "blind.json", force=True) as part:
             write_json(part, summary)

@@ -17,7 +17,7 @@ import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from select import select
 from threading import Lock
@@ -57,12 +57,13 @@ class _Examiner:
         # it ends with the thread that starts it: one that lasts as long as this process
         self._starter = ThreadPoolExecutor(1)
 
-    def ask(self, given: Path, withheld: tuple[str, ...]) -> Answer:
+    def ask(self, given: Path, withheld: tuple[str, ...], reference: str | None) -> Answer:
         """Its answer; after none in time, or a death, the next question gets a new process."""
         with self._one_at_a_time, scratch() as room:
             answer = room / "answer.json"
+            question = [str(given), withheld, reference, str(answer)]
             try:
-                error = self._failure(given, withheld, answer)
+                error = self._failure(question)
             except BaseException:
                 self.stop()  # or the next question would get this one's answer
                 raise
@@ -71,16 +72,16 @@ class _Examiner:
             diagnosis, error = json.loads(answer.read_text(encoding="utf-8"))
             return diagnosis, error
 
-    def _failure(self, given: Path, withheld: tuple[str, ...], answer: Path) -> str | None:
+    def _failure(self, question: list[Any]) -> str | None:
         """Ask, again if somebody is killed meanwhile, and say what kept the answer away."""
         for _ in range(TRIES):
             try:
-                return self._tried(given, withheld, answer)
+                return self._tried(question)
             except Killed as killed:
                 error = str(killed)
         return error
 
-    def _tried(self, given: Path, withheld: tuple[str, ...], answer: Path) -> str | None:
+    def _tried(self, question: list[Any]) -> str | None:
         """Ask once, wait, and say what kept the fork from writing its answer.
 
         Raises:
@@ -93,7 +94,7 @@ class _Examiner:
         assert answers is not None
         self._asked += 1
         with suppress(BrokenPipeError):
-            told.write(json.dumps([self._asked, str(given), withheld, str(answer)]) + "\n")
+            told.write(json.dumps([self._asked, *question]) + "\n")
             told.flush()
         in_time = select([answers], [], [], TIMEOUT)[0]
         line = answers.readline() if in_time else ""
@@ -124,14 +125,15 @@ def _examiner() -> _Examiner:
     return one
 
 
-def ask(given: Path, withheld: tuple[str, ...] = ()) -> Answer:
+def ask(given: Path, withheld: tuple[str, ...] = (), reference: str | None = None) -> Answer:
     """A diagnosis of the log in a directory where nothing else is but, maybe, a model.
 
     Args:
         given: The directory.
         withheld: Causes that it must do without.
+        reference: Healthy reference that it must do with; None: the one that it finds.
     """
-    return _examiner().ask(given, withheld)
+    return _examiner().ask(given, withheld, reference)
 
 
 def _started() -> subprocess.Popen[str]:
@@ -154,13 +156,14 @@ def serve() -> None:
 
     examiner = os.getpid()
     for line in sys.stdin:
-        number, given, withheld, answer = json.loads(line)
+        number, given, withheld, reference, answer = json.loads(line)
         child = os.fork()
         if child == 0:
             end_with(examiner)
             os.dup2(2, 1)  # what a library may print is no answer
             try:
-                _answer(diagnose, Path(given), tuple(withheld), Path(answer))
+                asked = partial(diagnose, without=tuple(withheld), reference=reference)
+                _answer(asked, Path(given), Path(answer))
             except BaseException as error:
                 sys.stderr.write(f"examiner: {type(error).__name__}: {error}\n")
                 os._exit(1)
@@ -171,17 +174,12 @@ def serve() -> None:
             sys.stdout.flush()
 
 
-def _answer(
-    diagnose: Callable[..., DiagnosisResult],
-    given: Path,
-    withheld: tuple[str, ...],
-    answer: Path,
-) -> None:
+def _answer(diagnose: Callable[..., DiagnosisResult], given: Path, answer: Path) -> None:
     os.chdir(given)
     said: Answer
     try:
         model = MODEL if Path(MODEL).is_file() else None
-        said = dict(diagnose(LOG, model=model, without=withheld).content), None
+        said = dict(diagnose(LOG, model=model).content), None
     except Exception as error:
         said = None, f"{type(error).__name__}: {error}"
     answer.write_text(json.dumps(said, allow_nan=False), encoding="utf-8")

@@ -62,6 +62,10 @@ class BlindConfig(BaseModel):
     """Of every run's robots."""
     engine: EngineName = DEFAULT
     rays: RaysName = DEFAULT_RAYS
+    reference: str | None = None
+    """Healthy reference of every diagnosis; None: the one that it finds."""
+    inputs: tuple[dict[str, str], ...] = ()
+    """Its files."""
     effects: tuple[str, ...] = ()
     """To draw from; none: a battery of healthy runs."""
     at_bars: bool = False

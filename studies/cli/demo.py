@@ -18,7 +18,7 @@ def demo(
     out: Annotated[Path, out_option("Where to write.")] = Path("out/demo"),
     seed: Seed = 0,
     engine: Engine = "pybullet",
-    rays: Rays = "engine",
+    rays: Rays = "closed",
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,

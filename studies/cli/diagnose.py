@@ -9,7 +9,7 @@ import typer
 
 import realitygap as rg
 from realitygap.studies.cli import app
-from realitygap.studies.cli.options import Force, Model, Out, Quiet, Seed
+from realitygap.studies.cli.options import Force, Model, Out, Quiet, Reference, Seed
 from realitygap.studies.cli.outcome import Outcome, command
 
 CODES = {"nothing_wrong": 0, "named": 10, "ambiguous": 11, "unexplained": 12, "cannot_tell": 13}
@@ -23,10 +23,7 @@ def diagnose(
     log: Annotated[list[Path], typer.Argument(help="Measured logs, or directories of runs.")],
     out: Out,
     model: Model = None,
-    reference: Annotated[
-        str | None,
-        typer.Option(help="Healthy reference, or none; the shipped one of the model if absent."),
-    ] = None,
+    reference: Reference = None,
     seed: Seed = 0,
     without: Annotated[
         list[str] | None,

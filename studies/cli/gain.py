@@ -56,7 +56,7 @@ def gain(
     minutes: Minutes = 2.0,
     seed: Seed = 0,
     engine: Engine = "pybullet",
-    rays: Rays = "engine",
+    rays: Rays = "closed",
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,

@@ -39,7 +39,7 @@ def bench(
     out: Out,
     minutes: Minutes = 5.0,
     engine: Engine = "pybullet",
-    rays: Rays = "engine",
+    rays: Rays = "closed",
     force: Force = False,
     quiet: Quiet = False,
 ) -> Outcome:
@@ -63,7 +63,7 @@ def scaling(
     out: Out,
     minutes: Minutes = 1.0,
     engine: Engine = "pybullet",
-    rays: Rays = "engine",
+    rays: Rays = "closed",
     force: Force = False,
     quiet: Quiet = False,
 ) -> Outcome:

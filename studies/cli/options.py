@@ -39,6 +39,15 @@ Rays = Annotated[
 ]
 
 
+Reference = Annotated[
+    str | None,
+    typer.Option(
+        help="Healthy reference: a file, pybullet or mujoco for a shipped one, or none; "
+        "that of the world that recorded the log if absent, else pybullet's."
+    ),
+]
+
+
 def target(given: str | Path) -> Path:
     """A path to write to. Python would take no text for the directory one is in."""
     if not str(given):

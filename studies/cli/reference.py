@@ -11,7 +11,6 @@ import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import (
     MOST_RUNS,
-    Engine,
     Force,
     Jobs,
     Model,
@@ -44,8 +43,14 @@ def reference(
         bool, typer.Option("--manoeuvres", help="Record the manoeuvres of probe:NAME in turn.")
     ] = False,
     seed: Seed = 0,
-    engine: Engine = "pybullet",
-    rays: Rays = "engine",
+    engine: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Physics of their world: pybullet (if absent), pybullet-strict or mujoco (the "
+            r"extra \[mujoco]); repeatable: one that knows how these differ."
+        ),
+    ] = None,
+    rays: Rays = "closed",
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -66,7 +71,7 @@ def reference(
             runs=runs,
             manoeuvres=manoeuvres,
             seed=seed,
-            engine=engine,
+            engine=engine or ("pybullet",),
             rays=rays,
             jobs=jobs,
             force=force,

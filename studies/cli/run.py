@@ -62,7 +62,7 @@ def run(
     genome: Genome = "paper",
     build_spread: BuildSpread = 0.0,
     engine: Engine = "pybullet",
-    rays: Rays = "engine",
+    rays: Rays = "closed",
     arena_radius: Annotated[
         float,
         typer.Option(

@@ -58,7 +58,7 @@ def transfer(
     robots: Robots = 10,
     seed: Seed = 0,
     engine: Engine = "pybullet",
-    rays: Rays = "engine",
+    rays: Rays = "closed",
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     quiet: Quiet = False,

@@ -9,26 +9,18 @@ from pathlib import Path
 
 from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.models.belief.catalogue import every_cause
-from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.belief.withheld import where
 from realitygap.models.belief.withheld import without as withholding
-from realitygap.models.log.repertoire import manoeuvres
 from realitygap.models.naming.channels.motion.diagnose import diagnose as diagnose_motion
 from realitygap.models.naming.channels.senses.joined import WholeExamination, with_senses
 from realitygap.models.naming.diagnosis import as_json, extension
 from realitygap.models.naming.frame import in_the_models_frame
-from realitygap.models.naming.health.reference import Reference, read_reference, shipped_reference
-from realitygap.models.naming.health.senses import (
-    SenseReference,
-    beside,
-    read_sense_reference,
-    shipped_sense_reference,
-)
 from realitygap.models.naming.preflight import HEADINGS
 from realitygap.models.naming.proposal.propose import with_proposal
 from realitygap.models.naming.rules import Rules
 from realitygap.models.naming.strangers import without_strangers
 from realitygap.studies.diagnosis.next_experiment import commands, plan
+from realitygap.studies.diagnosis.references import reference_files, references
 from realitygap.studies.diagnosis.request import Request
 from realitygap.studies.diagnosis.result import FILE, DiagnosisResult
 from realitygap.studies.diagnosis.rules import changed
@@ -36,9 +28,7 @@ from realitygap.studies.inputs.logs import AnyLog, Log, as_log, log_hash
 from realitygap.studies.inputs.model import AnyModel, Model
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.progress import unseen
-from realitygap.studies.plumbing.provenance import file_read, versions
-
-NO_REFERENCE = "none"
+from realitygap.studies.plumbing.provenance import versions
 
 
 def diagnose(
@@ -58,7 +48,8 @@ def diagnose(
     Args:
         log: A measured log or several, as `read_log` takes them.
         model: What the robots' simulators believe; that of the log, or the e-puck, if absent.
-        reference: Healthy reference (JSON), or "none"; the shipped one of the model if absent.
+        reference: Healthy reference: a file (JSON), "pybullet" or "mujoco" for a shipped one, or
+            "none"; that of the world that recorded the log, else pybullet's, if absent.
         without: Causes of the catalogue to do without, as if unknown.
         rules: What naming is tuned to; `rules()` lists it.
         seed: Of the resampling.
@@ -99,9 +90,7 @@ def _examined(
 ) -> tuple[Log, WholeExamination]:
     """The log as it was judged, in the frame of the model's arena, and all that is said of it."""
     model, measured, seed = log.model, log.measured, request.seed
-    scripted = manoeuvres(measured)
-    healthy = _reference(request.reference, model.file, scripted)
-    senses = _sense_reference(request.reference, model.file, scripted)
+    healthy, senses = references(request.reference, measured, model.file)
     alike = healthy is not None and healthy.recorded_like(measured.recorder, measured.step)
     robot = model.file.robot
     hidden = (*request.without, *(() if measured.headed else HEADINGS))
@@ -151,27 +140,4 @@ def _result(request: Request, log: Log, examined: WholeExamination) -> Diagnosis
 def _inputs(request: Request) -> list[dict[str, str]]:
     """The files that a diagnosis is a function of."""
     read = [*(log.entry("LOG") for log in request.logs), *request.model.entries()]
-    if request.reference is not None and request.reference != NO_REFERENCE:
-        given = Path(request.reference)
-        halves = (given, beside(given))
-        read += [file_read("--reference", half) for half in halves if half.is_file()]
-    return read
-
-
-def _reference(given: str | None, model: ModelFile, scripted: bool) -> Reference | None:
-    """The healthy reference asked for, or the shipped one of the model."""
-    if given == NO_REFERENCE:
-        return None
-    if given is not None:
-        return read_reference(Path(given))
-    return shipped_reference(model.name, manoeuvres=scripted)
-
-
-def _sense_reference(given: str | None, model: ModelFile, scripted: bool) -> SenseReference | None:
-    """The senses' reference beside the one asked for, or the shipped one of the model."""
-    if given == NO_REFERENCE:
-        return None
-    if given is None:
-        return shipped_sense_reference(model.name, manoeuvres=scripted)
-    path = beside(Path(given))
-    return read_sense_reference(path) if path.is_file() else None
+    return [*read, *reference_files(request.reference)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -41,11 +41,11 @@ from realitygap.studies.inputs.model import AnyModel, Model
 from realitygap.studies.plumbing.execution import Workers, processes
 from realitygap.studies.plumbing.output import readable, whole_file
 from realitygap.studies.plumbing.rooms import scratch
-from realitygap.studies.plumbing.typed import typed
+from realitygap.studies.plumbing.typed import option, typed
 
 SAMPLE = 9
 """Logs, evenly among all, whose median gives the inherent motion: more differ from it no less than
-from each other. Our choice; an odd number."""
+from each other. Of several worlds, the mean of their medians. Our choice; an odd number."""
 MINUTES = 2.0
 """Simulated, of a recorded run: what a diagnosis is usually made of."""
 KINDS = (
@@ -70,8 +70,8 @@ class ReferenceRequest:
     runs: int = 0
     manoeuvres: bool = False
     seed: int = 0
-    engine: EngineName = DEFAULT
-    """Of the recorded runs' world."""
+    engines: tuple[EngineName, ...] = (DEFAULT,)
+    """Of the recorded runs' worlds, by turns."""
     rays: RaysName = DEFAULT_RAYS
     model: Model
     jobs: int | None = None
@@ -81,7 +81,8 @@ class ReferenceRequest:
         """What a user would type."""
         words: list[object] = ["realitygap", "reference", *(one.typed for one in self.logs)]
         words += ["--runs", self.runs, "--seed", self.seed] if self.runs else []
-        words += ["--engine", self.engine] if self.runs and self.engine != DEFAULT else []
+        usual = not self.runs or self.engines == (DEFAULT,)
+        words += [] if usual else option("--engine", self.engines)
         words += ["--rays", self.rays] if self.runs and self.rays != DEFAULT_RAYS else []
         words += ["--manoeuvres"] if self.manoeuvres else []
         words += ["--model", self.model.typed] if self.model.typed else []
@@ -96,7 +97,7 @@ def measure_health(
     runs: int = 0,
     manoeuvres: bool = False,
     seed: int = 0,
-    engine: str = DEFAULT,
+    engine: str | Sequence[str] = DEFAULT,
     rays: str = DEFAULT_RAYS,
     jobs: int | None = None,
     force: bool = False,
@@ -111,7 +112,7 @@ def measure_health(
         runs: Healthy runs of the nominal world to record, two minutes each.
         manoeuvres: Record the manoeuvres of `probe:NAME` in turn.
         seed: Of the recorded runs.
-        engine: Physics of their world: pybullet, pybullet-strict or mujoco.
+        engine: Physics of their worlds: pybullet, pybullet-strict or mujoco; several by turns.
         rays: Who answers what infrared meets: engine, or closed.
         jobs: Processes; all cores if absent.
         force: Replace a reference that is there.
@@ -120,12 +121,13 @@ def measure_health(
     Raises:
         InputError: neither logs nor runs, a log or the model cannot be used, or `out` cannot.
     """
+    engines = (engine,) if isinstance(engine, str) else engine
     request = ReferenceRequest(
         logs=sources(log),
         runs=runs,
         manoeuvres=manoeuvres,
         seed=seed,
-        engine=engine_name(engine, needed=runs > 0),
+        engines=tuple(engine_name(one, needed=runs > 0) for one in engines),
         rays=rays_name(rays),
         model=Model.load(model),
         jobs=jobs,
@@ -167,12 +169,13 @@ def _measured(
             recorded.append(Source(path))
             step(1.0)
         logs = [*request.logs, *recorded]
-        inherent = []
+        inherent: dict[str, list[FloatArray]] = {}
         some = sorted({*np.linspace(0, len(logs) - 1, SAMPLE).round().astype(int).tolist()})
-        for found in pool.map(_inherent, [(logs[k], model) for k in some]):
-            inherent.append(found)
+        for recorder, found in pool.map(_inherent, [(logs[k], model) for k in some]):
+            inherent.setdefault(recorder, []).append(found)
             step(0.3 * len(logs) / len(some))
-        common = np.median(inherent, axis=0)
+        # halfway between worlds, which are then as far from it in what swarms have in common
+        common = np.mean([np.median(each, axis=0) for each in inherent.values()], axis=0)
         swarms: list[Told] = []
         for healthy in pool.map(_terms, [(log, model, common) for log in logs]):
             swarms.append(healthy)
@@ -198,13 +201,14 @@ def _record(task: tuple[ReferenceRequest, int, tuple[str, str], Path]) -> Path:
     request, number, (controller, case), room = task
     out = room / f"run{number}"
     out.mkdir()
+    kinds = len(MANOEUVRES if request.manoeuvres else KINDS)
     config = RunConfig.model_validate(
         {
             "case": case,
             "controller": controller,
             "minutes": MINUTES,
             "seed": int(np.random.SeedSequence([request.seed, number]).generate_state(1)[0]),
-            "engine": request.engine,
+            "engine": request.engines[number // kinds % len(request.engines)],
             "rays": request.rays,
         }
     )
@@ -216,8 +220,10 @@ def _tracks(log: Source, model: Model) -> Tracks:
     return cut_tracks(read_logs(log, model.file), model.file)
 
 
-def _inherent(task: tuple[Source, Model]) -> FloatArray:
-    return fit_inherent(_tracks(*task), task[1].file.motion().drive)
+def _inherent(task: tuple[Source, Model]) -> tuple[str, FloatArray]:
+    """What recorded a healthy log, and the inherent motion of its robots."""
+    log = read_logs(task[0], task[1].file)
+    return log.recorder, fit_inherent(cut_tracks(log, task[1].file), task[1].file.motion().drive)
 
 
 def _terms(task: tuple[Source, Model, FloatArray]) -> Told:

@@ -7,7 +7,7 @@ from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.repertoire import manoeuvres
 from realitygap.models.naming.frame import in_the_models_frame
-from realitygap.models.naming.health.reference import shipped_reference
+from realitygap.models.naming.health.reference import shipped_reference, world_of
 
 
 def placed(log: MeasuredLog, file: ModelFile, tables: Tables | None) -> MeasuredLog:
@@ -20,6 +20,7 @@ def placed(log: MeasuredLog, file: ModelFile, tables: Tables | None) -> Measured
         file: What the simulator believes.
         tables: Captured, of the model; None: its sensors are not modelled.
     """
-    healthy = shipped_reference(file.name, manoeuvres=manoeuvres(log))
+    world = world_of(log.recorder)
+    healthy = shipped_reference(file.name, world=world, manoeuvres=manoeuvres(log))
     alike = healthy is not None and healthy.recorded_like(log.recorder, log.step)
     return in_the_models_frame(log, file, tables, alike=alike)[0]

@@ -8,10 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from realitygap.embedded_sim import Tables
-from realitygap.embedded_sim.errors import InputError
 from realitygap.models import load_model, load_tables, save_tables
 from realitygap.models.belief.curves import tables_of
-from realitygap.reality.engine import installed
+from realitygap.reality.capture import capture as captured
 from realitygap.studies.plumbing.output import readable, whole_file
 from realitygap.studies.plumbing.progress import unseen
 
@@ -37,14 +36,8 @@ def capture(
         tell: Called with each sentence about what the curves leave open.
 
     Raises:
-        InputError: `out` cannot be written, a curve cannot be used, or there are no curves and
-            pybullet is not installed.
+        InputError: `out` cannot be written, or a curve cannot be used.
     """
-    if not curves and not installed("pybullet"):
-        expected = (
-            "curves of your own sensors: a nominal robot is captured in pybullet, which is not"
-        )
-        raise InputError("--from", "nothing", f"{expected} installed (Python 3.11 has it)")
     with whole_file(Path(out), force=force, ours=readable(load_tables)) as part:
         if curves:
             shipped = load_model().tables
@@ -53,8 +46,6 @@ def capture(
             for note in notes:
                 tell(note)
         else:
-            from realitygap.reality.capture import capture as captured  # imports pybullet
-
             tables = captured(np.random.SeedSequence(seed), reach)
         save_tables(tables, part)
     return tables

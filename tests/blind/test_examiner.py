@@ -43,6 +43,7 @@ def test_an_answer_is_what_the_command_writes(given: Path, tmp_path: Path) -> No
     answers = [ask(given), ask(given, ("command_latency",)), ask(given)]
     assert answers[0] == answers[2] == (written, None)
     assert answers[1] != answers[0]
+    assert [ask(given, (), name)[0] == written for name in ("pybullet", "mujoco")] == [True, False]
     assert [path.name for path in given.iterdir()] == [LOG]
 
 
@@ -58,7 +59,6 @@ def test_a_model_beside_the_log_is_what_the_diagnosis_is_told(
         examiner._answer(
             lambda log, **how: asked.append((log, how["model"])) or SimpleNamespace(content={}),
             tmp_path,
-            (),
             tmp_path / "answer.json",
         )
     assert asked == [(LOG, None), (LOG, "extended.toml")]

@@ -17,8 +17,7 @@ from realitygap.embedded_sim import InputError
 from realitygap.models.belief.modelfile import ROBOTS, find_model_file, read_model_file
 from realitygap.models.belief.tables import load_tables
 from realitygap.models.log.measured import read_log
-from realitygap.models.naming.health.reference import DIRECTORY, read_reference
-from realitygap.models.naming.health.senses import DIRECTORY as SENSES
+from realitygap.models.naming.health.reference import DIRECTORY, HOME, read_reference
 from realitygap.models.naming.health.senses import read_sense_reference
 from realitygap.reality.effects import parse_effects
 from realitygap.studies.diagnosis.experiment import experiment
@@ -161,7 +160,7 @@ class Begun(Exception):
 
 WORK = (
     "realitygap.studies.run.experiment.simulate",
-    "realitygap.reality.capture.capture",
+    "realitygap.studies.run.capture.captured",
     "realitygap.studies.demo.chapters.tell",
     "realitygap.studies.diagnosis.diagnose.diagnose",
     "realitygap.studies.gain.measure.gain",
@@ -219,12 +218,12 @@ READERS: dict[str, Reader] = {
     "sensor tables": Reader(lambda f: load_tables(f / "epuck.npz"), _tables, ("epuck.npz",)),
     "reference": Reader(
         lambda f: read_reference(f / "r.json"),
-        lambda: {"r.json": (DIRECTORY / "epuck.json").read_bytes()},
+        lambda: {"r.json": (DIRECTORY / HOME / "e-puck.json").read_bytes()},
         ("r.json",),
     ),
     "reference of the senses": Reader(
         lambda f: read_sense_reference(f / "r.json"),
-        lambda: {"r.json": (SENSES / "epuck.json").read_bytes()},
+        lambda: {"r.json": (DIRECTORY / HOME / "e-puck.senses.json").read_bytes()},
         ("r.json",),
     ),
     "generations": Reader(

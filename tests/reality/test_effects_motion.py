@@ -260,3 +260,8 @@ def test_effects_of_several_robots_and_kinds_hold_together() -> None:
     path = drive(straight, 2.0, *specs)
     ahead = SPEED * np.array([2.0 - 0.08, 1.1 * (2.0 - 0.02 * 2.0)])
     assert path.ahead[-1] == pytest.approx(ahead, rel=0.01)
+
+
+def test_wheels_turn_at_their_share_of_what_they_are_told() -> None:
+    path = drive(lambda step: (4.0, 4.0), 1.0, "motor_gain:left=0.9,right=0.8,robot=1")
+    assert path.encoders[10:, 1].mean(axis=0) == pytest.approx([3.6, 3.2], rel=5e-3)

@@ -11,7 +11,7 @@ from realitygap.embedded_sim import SENSOR_ANGLES
 from realitygap.reality import constants as k
 from realitygap.reality.engine import Engine, EngineName, engine_class
 from realitygap.reality.hardware import Hardware
-from realitygap.reality.pybullet_engine import PybulletEngine
+from realitygap.reality.rays import ClosedRays, Rays
 from realitygap.reality.senses import Infrared, Light, Radio, Tracker
 
 AMPLITUDE = [counts * k.IR_OFFSET**2 for counts in k.IR_CONTACT_COUNTS]
@@ -22,11 +22,11 @@ FRONT_MEDIAN = 0.985
 (14 %) low."""
 
 
-def median_counts(engine: Engine, poses: np.ndarray, repeats: int = 3000) -> np.ndarray:
+def median_counts(world: Rays, poses: np.ndarray, repeats: int = 3000) -> np.ndarray:
     infrared = Infrared(Hardware.nominal(len(poses)), np.random.default_rng(0))
     readings = np.empty((repeats, len(poses), 8))
     for i in range(repeats):
-        infrared.sense(engine, poses)
+        infrared.sense(world, poses)
         readings[i] = infrared.counts
     return np.median(readings, axis=0)
 
@@ -37,14 +37,11 @@ def test_infrared_before_a_flat_wall_is_the_inverse_square_law_with_incidence(
     distance: float, incidence_deg: float
 ) -> None:
     incidence = math.radians(incidence_deg)
-    engine = PybulletEngine()
-    engine.add_wall(k.ARENA_RADIUS, 0.0, 0.0, 2.0)
+    wall = ClosedRays(np.zeros((0, 3)), k.ARENA_RADIUS, np.array([[1.0, 0.0]]))
     yaw = incidence - SENSOR_ANGLES[7]
     x = k.ARENA_RADIUS - (distance + RIM) * math.cos(incidence)
     pose = np.array([[x, -(distance + RIM) * math.sin(incidence), yaw]])
-    engine.add_epuck(pose[0])
-    counts = median_counts(engine, pose)[0, 7]
-    engine.close()
+    counts = median_counts(wall, pose)[0, 7]
     law = AMPLITUDE[7] * math.cos(incidence) / (distance + k.IR_OFFSET) ** 2
     assert counts == pytest.approx(FRONT_MEDIAN * min(law, k.COUNTS_MAX), rel=0.015, abs=0.8)
 

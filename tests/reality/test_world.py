@@ -137,7 +137,7 @@ def test_the_captured_tables_follow_the_laws_they_were_captured_from() -> None:
     distance = tables.ps_range * np.linspace(0.0, 1.0, tables.ps_counts.shape[1]) ** 2
     for sensor, contact in enumerate(k.IR_CONTACT_COUNTS):
         law = contact * (k.IR_OFFSET / (distance + k.IR_OFFSET)) ** 2
-        # rays resolve about a millimetre at contact; beyond, medians of 128 readings err by 2 %
+        # medians of 128 readings err by 2 %
         near = (law > 60.0) & (distance > 1e-3)
         relative = tables.ps_counts[sensor, near, -1] / law[near] - 1.0
         assert abs(relative.mean()) < 0.03

@@ -154,9 +154,16 @@ def test_healthy_runs_for_a_reference_are_of_the_engine_asked_for(
     monkeypatch.setattr(
         "realitygap.studies.run.experiment.simulate", lambda config, *rest: seen.append(config)
     )
-    request = ReferenceRequest(runs=1, engine="mujoco", rays="closed", model=Model.load())
+    request = ReferenceRequest(runs=1, engines=("mujoco",), rays="engine", model=Model.load())
     reference._record((request, 0, reference.KINDS[0], tmp_path))
-    assert [(config.engine, config.rays) for config in seen] == [("mujoco", "closed")]
+    assert [(config.engine, config.rays) for config in seen] == [("mujoco", "engine")]
+    pooled = ReferenceRequest(runs=8, engines=("pybullet", "mujoco"), model=Model.load())
+    for number in range(8):
+        room = tmp_path / str(number)
+        room.mkdir()
+        reference._record((pooled, number, reference.KINDS[number % 4], room))
+    assert [config.engine for config in seen[1:]] == 4 * ["pybullet"] + 4 * ["mujoco"]
+    assert pooled.command.endswith("--engine pybullet --engine mujoco")
 
 
 def test_what_a_user_would_type_names_an_engine_that_is_not_the_usual() -> None:
@@ -164,12 +171,12 @@ def test_what_a_user_would_type_names_an_engine_that_is_not_the_usual() -> None:
     gain = {"logs": log, "extended": model, "effects": ("motor_lag",)}
     assert "--engine mujoco" in GainRequest(**gain, engine="mujoco").command
     assert "--engine" not in GainRequest(**gain).command
-    assert "--rays closed" in GainRequest(**gain, rays="closed").command
+    assert "--rays engine" in GainRequest(**gain, rays="engine").command
     assert "--rays" not in GainRequest(**gain).command
-    assert "--engine mujoco" in ReferenceRequest(runs=1, engine="mujoco", model=model).command
-    assert "--engine" not in ReferenceRequest(logs=log, engine="mujoco", model=model).command
-    assert "--rays closed" in ReferenceRequest(runs=1, rays="closed", model=model).command
-    assert "--rays" not in ReferenceRequest(logs=log, rays="closed", model=model).command
+    assert "--engine mujoco" in ReferenceRequest(runs=1, engines=("mujoco",), model=model).command
+    assert "--engine" not in ReferenceRequest(logs=log, engines=("mujoco",), model=model).command
+    assert "--rays engine" in ReferenceRequest(runs=1, rays="engine", model=model).command
+    assert "--rays" not in ReferenceRequest(logs=log, rays="engine", model=model).command
 
 
 def test_the_help_names_the_extra_that_an_engine_needs() -> None:

@@ -44,9 +44,7 @@ def places(name: str) -> dict[str, bool]:
             f'"{name}:' in text for text in physics
         ),
         "its row: realitygap effects --out docs/effects.md --force": f"| `{name}`" in document,
-        "health with it: the `command` of each file in models/naming/health/references": (
-            bool(said) and not unmeasured
-        ),
+        "health with it: make references": (bool(said) and not unmeasured),
         f"python -m tests.golden logs {' '.join(logs)}": all(log_file(n).is_file() for n in logs),
         "python -m tests.golden answers": len(said) == len(logs),
     }

@@ -48,7 +48,7 @@ def test_a_state_holds_so_much_food_and_no_more() -> None:
 
 def test_a_run_in_a_wider_arena_uses_all_of_it(tmp_path: Path) -> None:
     out = tmp_path / "run"
-    words = ("run", "--robots", 30, "--arena-radius", 1.5, "--minutes", 0.3, "--rays", "closed")
+    words = ("run", "--robots", 30, "--arena-radius", 1.5, "--minutes", 0.3)
     done = realitygap(*words, "--out", out)
     assert done.returncode == 0, done.stderr
     assert json.loads((out / "run.json").read_text())["config"]["arena_radius"] == 1.5

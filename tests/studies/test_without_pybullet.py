@@ -70,6 +70,7 @@ def test_a_diagnosis_says_that_there_was_no_pybullet(room: Path) -> None:
             "OUT",
         ),
         ("reference", "ROOM/log.csv", "ROOM/later.csv", *ROBOT, "--out", "OUT.json"),
+        ("capture", "--out", "OUT.npz"),
         ("effects",),
         ("rules",),
         ("model", "new", "--wheel-radius", "0.03", "--axle", "0.2"),
@@ -124,18 +125,6 @@ def test_what_needs_it_says_so_in_one_line_and_writes_nothing(
         "3.11 has and later ones have not; or --engine mujoco, with the extra [mujoco]"
     ]
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_nominal_robot_is_captured_in_pybullet_alone(tmp_path: Path) -> None:
-    done = without("capture", "--out", tmp_path / "tables.npz")
-    assert done.returncode == 2
-    assert done.stderr.startswith("realitygap: --from: got nothing, expected curves of your own")
-    assert list(tmp_path.iterdir()) == []
-    curve = tmp_path / "curve.csv"
-    rows = [f"{0.01 * k},{600 - 60 * k}" for k in range(10)]
-    curve.write_text("\n".join(["distance,counts", *rows]) + "\n")
-    done = without("capture", "--from", curve, "--out", tmp_path / "tables.npz")
-    assert done.returncode == 0, done.stderr
 
 
 def test_nothing_imports_it_before_a_world_is_made() -> None:

@@ -31,6 +31,7 @@ CAUSE = Cause(
     ),
     change=_change,
     columns=ENCODERS,
+    where="unmeasured",
     confusable_with=("wheel_radius_scale", "wheel_radius_mismatch"),
     experiment="straights",
 )

@@ -90,10 +90,9 @@ def healthy(swarms: Sequence[Told], rules: Rules = Rules()) -> Health:
     spread, common = np.eye(k), np.full(k, alike)
     mean = np.zeros(k)
     for _ in range(ROUNDS):
-        root = root_of(spread)
-        inner = np.linalg.inv(np.eye(k) + root.T @ info @ root)
-        own = root @ inner @ root.T
-        w = info - info @ own @ info
+        own = np.linalg.inv(np.linalg.inv(spread) + info)
+        bent = own @ info
+        w = info - info @ bent
         t = slope - (info @ (own @ slope[:, :, None]))[:, :, 0]
         total, pull = np.zeros((many, k, k)), np.zeros((many, k))
         np.add.at(total, swarm, w)
@@ -110,7 +109,6 @@ def healthy(swarms: Sequence[Told], rules: Rules = Rules()) -> Health:
         moved = (shift**2 + np.einsum("tkk->tk", lot)).sum(axis=0)
         rest = slope - (info @ (mean + shift[swarm])[:, :, None])[:, :, 0]
         u = (own @ rest[:, :, None])[:, :, 0]
-        bent = own @ info
         unsure = own + bent @ lot[swarm] @ np.swapaxes(bent, 1, 2)  # of u, its swarm's shift too
         every = u.T @ u + unsure.sum(axis=0) + believed * np.eye(k)
         spread = _shrunk(every / (robots + believed), causes, robots, rules)

@@ -8,10 +8,10 @@ what such differences would. What is named later is what changed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Protocol, Self, TypeVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +29,9 @@ from realitygap.models.naming.health.inherent import INHERENT
 from realitygap.models.naming.rules import Rules
 
 DIRECTORY = Path(__file__).parent / "references"
+HOME = "pybullet"
+WORLDS = (HOME, "mujoco")
+"""Whose healthy robots there are shipped references of: of either engine's world."""
 SCHEMA = 2
 """Of the file. No rule."""
 LIKE = 0.01
@@ -186,35 +189,31 @@ def read_reference(path: Path) -> Reference:
     return read_json(Reference, path, what, field="--reference")
 
 
-def shipped_reference(model: str, *, manoeuvres: bool = False) -> Reference | None:
+def world_of(recorder: str) -> str:
+    """The world that recorded a log, or the usual one where that is none of ours."""
+    recorded = recorder.removeprefix("reality ")
+    return recorded if recorded in WORLDS else HOME
+
+
+def shipped_file(model: str, *, world: str = HOME, manoeuvres: bool = False) -> Path | None:
     """The reference that comes with the package for a model of this name; None: there is none.
 
-    With `manoeuvres` that of robots which stop and reverse, where there is one.
+    Args:
+        model: Name in the model file.
+        world: Whose healthy robots: a name in `WORLDS`.
+        manoeuvres: Rather that of robots which stop and reverse, where there is one.
     """
-    return find_shipped(DIRECTORY, read_reference, model, manoeuvres=manoeuvres)
+    folders = (DIRECTORY / world / "manoeuvres", DIRECTORY / world)[not manoeuvres :]
+    files = (path for folder in folders for path in folder.glob("*.json"))
+    return next((path for path in files if path.stem == model), None)
 
 
-class _OfModel(Protocol):
-    @property
-    def model(self) -> str:
-        """Name in the model file it was made with."""
-
-
-Kept = TypeVar("Kept", bound=_OfModel)
-
-
-def find_shipped(
-    directory: Path, read: Callable[[Path], Kept], model: str, *, manoeuvres: bool
-) -> Kept | None:
-    """The first reference for a model of this name in a directory; None: there is none.
-
-    With `manoeuvres` the directory's folder of that name is looked at first.
-    """
-    for folder in ([directory / "manoeuvres"] if manoeuvres else []) + [directory]:
-        for reference in map(read, sorted(folder.glob("*.json"))):
-            if reference.model == model:
-                return reference
-    return None
+def shipped_reference(
+    model: str, *, world: str = HOME, manoeuvres: bool = False
+) -> Reference | None:
+    """The same, read."""
+    path = shipped_file(model, world=world, manoeuvres=manoeuvres)
+    return None if path is None else read_reference(path)
 
 
 def no_reference(model: str, drive: Drive, rules: Rules = Rules()) -> Reference:

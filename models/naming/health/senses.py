@@ -17,9 +17,8 @@ from realitygap.models.log.files import read_json, write_json
 from realitygap.models.naming.engine.health import Health, Told
 from realitygap.models.naming.engine.threads import one_thread
 from realitygap.models.naming.health.learned import spreads
-from realitygap.models.naming.health.reference import Spreads, find_shipped
+from realitygap.models.naming.health.reference import Spreads, shipped_file
 
-DIRECTORY = Path(__file__).parent / "references" / "senses"
 SCHEMA = 2
 """Of the file. No rule."""
 ROUNDING = 1.0 / 12.0
@@ -76,9 +75,7 @@ def beside(motion: Path) -> Path:
     return motion.with_suffix(".senses.json")
 
 
-def shipped_sense_reference(model: str, *, manoeuvres: bool = False) -> SenseReference | None:
-    """The reference that comes with the package for a model of this name; None: there is none.
-
-    With `manoeuvres` that of robots which stop and reverse, where there is one.
-    """
-    return find_shipped(DIRECTORY, read_sense_reference, model, manoeuvres=manoeuvres)
+def shipped_sense_reference(model: str) -> SenseReference | None:
+    """The usual one that comes with the package for a model of this name; None: there is none."""
+    motion = shipped_file(model)
+    return None if motion is None else read_sense_reference(beside(motion))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,7 @@ def run_matrix(
     workers: Workers,
     *,
     quiet: bool = False,
-    diagnosed: Diagnosed = ask,
+    diagnosed: Diagnosed | None = None,
 ) -> dict[str, Any]:
     """Run or resume a matrix in `out`; returns the content of `conditions.json`.
 
@@ -45,7 +46,7 @@ def run_matrix(
         out: Its directory; conditions and logs that are there stay as they are.
         workers: Where logs are recorded and diagnosed.
         quiet: Say nothing.
-        diagnosed: What diagnoses the log in a directory; importable.
+        diagnosed: What diagnoses the log in a directory; importable; `ask` if absent.
 
     Raises:
         InputError: `out` cannot be used.
@@ -54,7 +55,8 @@ def run_matrix(
     """
     planned = plan(config)
     with BlindDirectory(out, config, planned).held() as directory:
-        do_missing(directory, workers, quiet, diagnosed, diagnose_cell)
+        who = diagnosed or partial(ask, reference=config.reference)
+        do_missing(directory, workers, quiet, who, diagnose_cell)
         answers = [answer for _, answer in directory.answers()]
         logs = logs_table(map(log_result, planned, answers))
         cells = cells_of(logs)
@@ -82,4 +84,5 @@ def _command(config: MatrixConfig) -> str:
     words: list[object] = ["realitygap", "blind", "--conditions", "--trials", config.trials]
     words += ["--seed", config.seed, *option("--only", only)]
     words += ["--engine", config.engine] if config.engine != DEFAULT else []
+    words += ["--reference", config.reference] if config.reference else []
     return typed(*words, *(["--rays", config.rays] if config.rays != DEFAULT_RAYS else []))

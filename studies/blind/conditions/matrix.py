@@ -124,6 +124,10 @@ class MatrixConfig(BaseModel):
     seed: Seed = 0
     engine: EngineName = DEFAULT
     rays: RaysName = DEFAULT_RAYS
+    reference: str | None = None
+    """Healthy reference of every diagnosis; None: the one that it finds."""
+    inputs: tuple[dict[str, str], ...] = ()
+    """Its files."""
     conditions: Annotated[tuple[str, ...], Field(exclude=True)] = tuple(CONDITIONS)
     """Not among what a directory was begun with: others may be added."""
 

@@ -15,7 +15,7 @@ from realitygap.models.naming.health.senses import read_sense_reference
 from tests.helpers import ROOT
 from tests.models.nested import leaves, replaced
 
-REFERENCES = ROOT / "models" / "naming" / "health" / "references"
+REFERENCES = ROOT / "models" / "naming" / "health" / "references" / "pybullet"
 
 
 def short(values: dict[str, Any]) -> dict[str, Any]:
@@ -26,7 +26,7 @@ def short(values: dict[str, Any]) -> dict[str, Any]:
 
 @pytest.mark.parametrize(
     ("file", "read"),
-    [("epuck.json", read_reference), ("senses/epuck.json", read_sense_reference)],
+    [("e-puck.json", read_reference), ("e-puck.senses.json", read_sense_reference)],
 )
 @pytest.mark.parametrize("value", [True, "1"])
 def test_what_is_no_number_is_refused_wherever_a_reference_has_one(

@@ -16,16 +16,21 @@ from realitygap.models.naming.engine.value import Value
 from realitygap.models.naming.findings import Evidence, Named
 from realitygap.models.naming.health.reference import (
     DIRECTORY,
+    HOME,
+    WORLDS,
     Column,
     Reference,
     no_reference,
     read_reference,
+    shipped_file,
     shipped_reference,
     write_reference,
 )
+from realitygap.models.naming.health.senses import beside, read_sense_reference
 from realitygap.models.naming.proposal.menu import Option, Proposal
 from realitygap.studies.diagnosis.words import verdict_sentence
 from realitygap.studies.inputs.model import Model
+from tests.helpers import ROOT
 
 
 def named(*, rivals: tuple[Term, ...] = (), twins: tuple[Term, ...] = ()) -> Named:
@@ -125,6 +130,20 @@ def test_the_shipped_reference_belongs_to_the_shipped_robot() -> None:
     assert shipped_reference("no such robot") is None
 
 
+@pytest.mark.parametrize("world", WORLDS)
+def test_a_shipped_reference_is_of_its_world_and_made_as_the_makefile_says(world: str) -> None:
+    recipe = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for manoeuvres in (False, True):
+        path = shipped_file("e-puck", world=world, manoeuvres=manoeuvres)
+        assert path is not None
+        assert path.parts[-2] == ("manoeuvres" if manoeuvres and world == HOME else world)
+        found, senses = read_reference(path), read_sense_reference(beside(path))
+        assert found.recorder == f"reality {world}"
+        assert found.command == senses.command
+        words = found.command.removeprefix("realitygap reference ")
+        assert f"$(HEALTH)/{path.relative_to(DIRECTORY)} {words}\n" in recipe
+
+
 def test_a_reference_survives_its_file(tmp_path: Path) -> None:
     names = ("motor_lag.time_constant", "speed/heading sin")
     column = Column(mean=0.0, sd=0.1, swarm_sd=0.05)
@@ -193,7 +212,7 @@ def test_a_reference_with_correlations_of_nothing_is_refused(
 
 
 def test_a_reference_of_another_schema_is_refused_with_what_makes_one(tmp_path: Path) -> None:
-    old = json.loads((DIRECTORY / "epuck.json").read_text(encoding="utf-8")) | {"schema_version": 1}
+    old = json.loads((DIRECTORY / HOME / "e-puck.json").read_text("utf-8")) | {"schema_version": 1}
     (tmp_path / "old.json").write_text(json.dumps(old | {"terms": {}}), encoding="utf-8")
     with pytest.raises(InputError, match=r"schema_version: got 1, expected 2; make it anew"):
         read_reference(tmp_path / "old.json")
