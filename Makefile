@@ -19,7 +19,7 @@ CORE_H := $(wildcard embedded_sim/core/*.h)
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help demo test slow lint site references mutants bench asan fuzz fuzz-core blind kills clean
+.PHONY: help demo test slow lint site references mutants bench asan fuzz fuzz-core real blind kills clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -68,6 +68,9 @@ fuzz-core: build/asan/fuzz_main ## random structures against the C core; CALLS=1
 
 fuzz: $(STAMP) fuzz-core ## damaged inputs for every reader, REALITYGAP_FUZZ of each, and the C core; counts in out/fuzz
 	REALITYGAP_FUZZ=$${REALITYGAP_FUZZ:-400} $(BIN)/python -m pytest -n auto tests/fuzz
+
+real: $(STAMP) ## real robots' logs of REALITYGAP_DATA: the table, and pages in out/real
+	$(BIN)/realitygap measure real --out out/real --force
 
 blind: $(STAMP) ## the blind battery; results in out/blind
 	$(BIN)/realitygap blind --out out/blind

@@ -44,6 +44,11 @@ def where(drive_kind: str, *, measured: bool = True) -> Iterator[None]:
         _FACTS.reset(token)
 
 
+def any_withheld() -> bool:
+    """Whether some cause is taken away, so that it may come back under another name."""
+    return bool(_NAMES.get())
+
+
 def withheld(name: str) -> bool:
     """Whether the cause of this name is not to be tried."""
     asked = every_cause()[name].where

@@ -134,6 +134,34 @@ def ambiguous(
     return Outcome(table, line, out, counted.to_string().splitlines())
 
 
+@command(measure, epilog="Example: realitygap measure real --data DATA --out out/real")
+def real(
+    out: Out,
+    data: Annotated[
+        Path | None,
+        typer.Option(help="Folder of logs; REALITYGAP_DATA if absent."),
+    ] = None,
+    only: Annotated[
+        list[str] | None, typer.Option(help="Beginning of a data set's name, repeatable.")
+    ] = None,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> Outcome:
+    """Real robots' logs: what is named, and how later runs are predicted beside rivals."""
+    from realitygap.studies.measure.real_pages import INDEX, real
+
+    table = real(
+        out,
+        data=data,
+        only=tuple(only or ()),
+        force=force,
+        begin=(lambda line: None) if quiet else say,
+    )
+    page = (out / INDEX).read_text(encoding="utf-8")
+    notes = [line for line in page.splitlines() if line.startswith("|")]
+    return Outcome(table, f"{table['data'].nunique()} data sets measured", out / INDEX, notes)
+
+
 @command(
     measure, epilog="Example: realitygap measure healthy-scores out/healthy/* --out scores.png"
 )

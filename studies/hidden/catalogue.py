@@ -57,7 +57,8 @@ known, `studies/hidden/shares.py` turns what was hidden into these shares.
 
 Some causes are tried on some logs only (`Cause.where`):
 
-- `motor_gain` is asked for where encoders are and no healthy reference is: to poses alone it is a wheel of another radius.
+- `motor_gain` is asked for where encoders are and no healthy reference is: to poses alone it is a
+  wheel of another radius.
 - `slew_limit` is the term of `weak_motor` in its own unit, rad/s², for logs without a healthy
   reference. With one, a ramp is told as `weak_motor`: no log tells a motor's torque from a ramp of
   its controller.

@@ -32,6 +32,7 @@ from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.naming.claims.ahead import Ahead
 from realitygap.models.naming.claims.calibration import GEOMETRY, MOTORS, Paths, terms_of
 from realitygap.studies.diagnosis.diagnose import diagnose
+from realitygap.studies.diagnosis.result import DiagnosisResult
 from realitygap.studies.inputs.logs import as_log
 from realitygap.studies.inputs.model import Model
 
@@ -106,13 +107,13 @@ def in_time(frame: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     return frame[early].reset_index(drop=True), frame[~early].reset_index(drop=True)
 
 
-def measured(data: DataSet) -> tuple[pd.DataFrame, Mapping[str, Any]]:
+def measured(data: DataSet) -> tuple[pd.DataFrame, DiagnosisResult]:
     """How far every model is off on the later half, and what the diagnosis of the earlier says.
 
     Returns:
         A row per model and horizon: `position` (m) and `heading` (rad), mean absolute errors, and
         `windows`; of the extended model also `low` and `high`, 95 % of how much smaller than the
-        minimal model's its position error is (m), by resampling runs. And `diagnosis.json`.
+        minimal model's its position error is (m), by resampling runs. And the diagnosis.
     """
     early, late = in_time(data.frame)
     model = Model.load(data.model)
@@ -129,7 +130,7 @@ def measured(data: DataSet) -> tuple[pd.DataFrame, Mapping[str, Any]]:
     tables = [_judged(name, later.measured, own) for name, own in motions.items()]
     tables.append(_trees(log.measured, later.measured, motions["minimal"]))
     every = pd.concat(tables, ignore_index=True)
-    return _summary(every), said.content
+    return _summary(every), said
 
 
 def _fitted(log: MeasuredLog, file: ModelFile, robots: list[int]) -> dict[str, dict[int, Motion]]:

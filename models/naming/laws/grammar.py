@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from realitygap.embedded_sim.laws import CHANNELS, Atom, Channel, Form, Quantity
+from realitygap.models.belief.withheld import any_withheld
 
 SPEED = 0.1
 """m/s that speeds are told in. No rule, as all numbers here: units and grids, which refinement
@@ -83,7 +84,7 @@ def _atoms(
         else:
             yield (Atom("speed", "power", (SPEED, exponent)),)
     yield (Atom("turn", "sign"),)
-    if channel != "turn":
+    if channel != "turn" and any_withheld():  # a constant is a listed cause by another name
         yield (Atom("wheel_speed" if wheel else "speed", "always"),)
     if wheel:
         yield from ((Atom("wheel_speed", form, (edge,)),) for edge in LIMITS for form in LIMITED)

@@ -64,6 +64,7 @@ def test_the_shipped_geometries_are_the_published_ones():
 def test_every_figure_of_a_shipped_robot_has_its_unit_and_source(name):
     text = find_model_file(name).read_text().split("[robot]")[1].split("[")[0]
     lines = [line for line in text.splitlines() if "=" in line and not line.startswith(" ")]
+    lines = [line for line in lines if not line.startswith("drive_kind")]
     assert len(lines) == 4
     for line in lines:
         assert re.search(r"# (m|rad/s); .{3,}|# m$", line), line
@@ -160,6 +161,11 @@ robots = [3]
 word = "left"
 [extension.causes.parameters]
 limit = { value = 4.0, low = 3.9, high = 4.1, unit = "rad/s" }
+[[extension.done_curve]]
+robots = [3]
+wheel = "left"
+told = [-5.0, 5.0]
+done = [-4.5, 4.5]
 [[extension.calibration]]
 name = "motor_lag"
 robots = [3]

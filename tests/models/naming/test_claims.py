@@ -359,3 +359,15 @@ def test_a_robot_seen_in_one_short_stretch_alone_is_not_named() -> None:
     found = diagnose(make_log(short, drive=Drive()), MODEL, None).diagnosis
     assert found.named == ()
     assert found.verdict == "cannot_tell"
+
+
+def test_a_value_that_the_halves_do_not_give_is_not_exported() -> None:
+    log = log_of(table(7, {1: MISMATCH}))
+    found = diagnose(log, MODEL, reference())
+    (one,) = (n for n in found.diagnosis.named if n.term.cause.name == "wheel_radius_mismatch")
+    wrong = replace(one, values=(one.values[0]._replace(value=0.8),))
+    told = replace(found.diagnosis, named=(wrong,), unexplained=())
+    (said,) = claimed(replace(found, diagnosis=told), log).diagnosis.named
+    assert one.exported
+    assert not said.exported
+    assert "predicts worse" in said.why

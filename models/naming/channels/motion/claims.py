@@ -57,6 +57,7 @@ def claimed(
     )
     predictions = Predictions(ahead, examined.model, inside, by_part)
     refused = harmless(predictions, tracks.rules)
+    refused = _as_a_whole(ahead, examined.model, inside, refused, tracks.rules)
     named = tuple(
         replace(one, exported=k not in refused, why=refused.get(k, ""))
         for k, one in enumerate(inside)
@@ -77,6 +78,26 @@ def claimed(
         used=tracks.used,
     )
     return replace(examined, diagnosis=diagnosis, errors=errors.by_robot(exported))
+
+
+def _as_a_whole(
+    ahead: Ahead,
+    model: ModelFile,
+    named: Sequence[Named],
+    refused: Mapping[int, str],
+    rules: Rules,
+) -> dict[int, str]:
+    """What is refused, and what harms with the values that would be exported.
+
+    Those are of the whole log, and were fitted beside what follows a quantity, which is not
+    exported: in a log that always does the same they may stand for something else.
+    """
+    kept = [k for k in range(len(named)) if k not in refused]
+    if not kept:
+        return dict(refused)
+    values = {named[k].key: named[k].values for k in kept}
+    whole = Predictions(ahead, model, [named[k] for k in kept], (values, values))
+    return {**refused, **{kept[k]: why for k, why in harmless(whole, rules).items()}}
 
 
 def bounded(named: Sequence[Named]) -> tuple[tuple[Named, ...], tuple[Unexplained, ...]]:
