@@ -31,7 +31,7 @@ from realitygap.models.log.frames import Windows
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.tracker import NORMAL
 from realitygap.models.naming.channels.motion.examination import Examination
-from realitygap.models.naming.channels.wheels import widest
+from realitygap.models.naming.channels.wheels.chosen import widest
 from realitygap.models.naming.claims.ahead import KEYS, SECONDS, Ahead
 from realitygap.models.naming.claims.harm import helps, worse
 from realitygap.models.naming.claims.written import written

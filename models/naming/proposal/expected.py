@@ -14,7 +14,7 @@ from realitygap.models.gap.believed import as_seen
 from realitygap.models.gap.driven import driven, recorded, wheel_turns
 from realitygap.models.log.frames import Windows, motion
 from realitygap.models.log.schema import ENCODERS, LS, PS
-from realitygap.models.naming.channels.motion.twins import TICK
+from realitygap.models.naming.channels.motion.predict import TICK
 from realitygap.models.naming.proposal.ground import DARK, Ground, resampled
 from realitygap.models.naming.proposal.menu import Expected, Flight
 

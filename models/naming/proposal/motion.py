@@ -16,9 +16,8 @@ from realitygap.models.log.schema import ENCODERS
 from realitygap.models.naming.channels.motion.candidates import own_starts
 from realitygap.models.naming.channels.motion.examination import Examination
 from realitygap.models.naming.channels.motion.fit import Problem
-from realitygap.models.naming.channels.motion.predict import poses, wheel_angles
+from realitygap.models.naming.channels.motion.predict import TICK, poses, wheel_angles
 from realitygap.models.naming.channels.motion.tracks import LEAST_ROWS, Tracks
-from realitygap.models.naming.channels.motion.twins import TICK
 from realitygap.models.naming.engine.hypothesis import Fit, Term, Terms
 from realitygap.models.naming.findings import Named
 from realitygap.models.naming.proposal.expected import flown, moves

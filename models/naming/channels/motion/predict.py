@@ -10,8 +10,12 @@ import numpy as np
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
 from realitygap.models.gap.around import asked
-from realitygap.models.gap.driven import driven, recorded, wheel_turns
+from realitygap.models.gap.driven import AROUND, driven, recorded, wheel_turns
 from realitygap.models.naming.channels.motion.tracks import Rows, Tracks
+
+TICK = 2.0 * np.pi / 1000.0
+"""rad; encoders are never taken to be finer than an e-puck's 1000 steps a turn.
+No rule: of its data sheet."""
 
 
 def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
@@ -64,6 +68,28 @@ def wheel_angles(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
         )
         angles[begin:end] *= motions[robot].wheel_gain
     return angles
+
+
+def wheel_errors(tracks: Tracks, motions: Sequence[Motion]) -> tuple[FloatArray, Rows]:
+    """Encoders less what they should read (rad/s), and which rows these are.
+
+    Returns:
+        (n, 2) errors of the mean speed since the row before, and (n,) rows.
+    """
+    assert tracks.encoders is not None
+    angle = wheel_angles(tracks, motions)
+    took = np.diff(tracks.t, prepend=tracks.t[0] - 1.0)
+    inside = took < AROUND  # rows were left out where more time has passed
+    inside[tracks.start[:-1]] = False
+    speed = np.diff(angle, axis=0, prepend=angle[:1]) / np.where(inside, took, 1.0)[:, None]
+    off = tracks.encoders - speed
+    rows = np.flatnonzero(inside & np.isfinite(off).all(axis=1))
+    return off[rows], rows
+
+
+def coarse(step: float) -> float:
+    """rad/s: what a tick leaves of a speed over a step (s)."""
+    return float(TICK / step / np.sqrt(6.0))
 
 
 def _pieces(tracks: Tracks) -> list[tuple[int, int, Rows, FloatArray | None]]:

@@ -16,20 +16,16 @@ from realitygap.models.belief.catalogue import causes
 from realitygap.models.belief.cause import ALL
 from realitygap.models.belief.motion import Motion
 from realitygap.models.belief.withheld import withheld
-from realitygap.models.gap.driven import AROUND
 from realitygap.models.log.blocks import nth
 from realitygap.models.log.tracker import NORMAL
 from realitygap.models.naming.channels.motion.fit import Problem
-from realitygap.models.naming.channels.motion.predict import wheel_angles
+from realitygap.models.naming.channels.motion.predict import coarse, wheel_errors
 from realitygap.models.naming.channels.motion.tracks import Tracks
 from realitygap.models.naming.engine.hypothesis import Fit, Term
 from realitygap.models.naming.rules import Rules
 
 BLOCK_SECONDS = 5.0
 """No rule: blocks are of five seconds everywhere."""
-TICK = 2.0 * np.pi / 1000.0
-"""rad; encoders are never taken to be finer than an e-puck's 1000 steps a turn.
-No rule: of its data sheet."""
 
 
 class Twins(NamedTuple):
@@ -104,23 +100,14 @@ def _instead(problem: Problem, kept: Fit, term: Term, twin: Term) -> Fit | None:
 
 def _encoder_loss(tracks: Tracks, motions: list[Motion]) -> FloatArray:
     """(blocks,) deviance of the encoders from the wheels' predicted speeds."""
-    assert tracks.encoders is not None
-    angle = wheel_angles(tracks, motions)
-    inside = np.ones(len(tracks.t), dtype=bool)
-    inside[tracks.start[:-1]] = False
-    took = np.diff(tracks.t, prepend=tracks.t[0] - 1.0)
-    inside &= took < AROUND  # rows were left out where more time has passed
-    speed = np.diff(angle, axis=0, prepend=angle[:1]) / np.where(inside, took, 1.0)[:, None]
-    off = (tracks.encoders - speed)[inside]
-    known = np.isfinite(off).all(axis=1)
-    step = float(np.median(took[inside]))
-    scale = np.maximum(NORMAL * np.nanmedian(np.abs(off), axis=0), TICK / step / np.sqrt(6.0))
+    off, rows = wheel_errors(tracks, motions)
+    scale = np.maximum(NORMAL * np.median(np.abs(off), axis=0), coarse(tracks.step))
     freedom = tracks.rules.row_freedom
     loss = (freedom + 1.0) * np.log1p((off / scale) ** 2 / freedom).sum(axis=1)
     loss = loss + 2.0 * np.log(scale).sum()
-    block = nth(tracks.t - tracks.t.min(), BLOCK_SECONDS)[inside] + 1e6 * tracks.row_robot[inside]
-    _, label = np.unique(block[known], return_inverse=True)
-    return np.asarray(np.bincount(label, loss[known]), dtype=np.float64)
+    block = nth(tracks.t - tracks.t.min(), BLOCK_SECONDS) + 1e6 * tracks.row_robot
+    _, label = np.unique(block[rows], return_inverse=True)
+    return np.asarray(np.bincount(label, loss), dtype=np.float64)
 
 
 def _clearly(lost: FloatArray, rules: Rules) -> bool:

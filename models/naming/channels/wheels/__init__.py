@@ -1,0 +1,1 @@
+"""What lies between a command and a wheel, told by the wheels' own encoders."""

@@ -1,0 +1,128 @@
+"""Which terms one robot's wheels need.
+
+Delay, lag, limits and dead zone of real motors are large, and each hides the others. So all are
+fitted together first; one after the other is then taken away as long as nothing is clearly lost
+over blocks of time.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.cause import Cause
+from realitygap.models.belief.withheld import withheld
+from realitygap.models.naming.channels.wheels.fit import Coordinates, Fit, Wheels
+from realitygap.models.naming.channels.wheels.halves import before_the_encoders
+from realitygap.models.naming.engine.hypothesis import Term, Terms
+from realitygap.models.naming.engine.threshold import bracket
+
+STRONG = 0.2
+"""Of the most seconds that the catalogue believes, where a fit begins as well: a delay of many
+commands looks like none from nearby. No rule: of numerics."""
+BOTH = "both"
+"""Word for the left and the right wheel."""
+
+
+def widest(cause: Cause) -> Term:
+    """The cause in both wheels, where it has a word for that."""
+    return Term(cause, BOTH if BOTH in cause.variants else cause.variants[0])
+
+
+def _menu() -> Terms:
+    """What motors may do, of each wheel by itself where a cause has words for them."""
+    return tuple(
+        Term(cause, word)
+        for cause in causes().values()
+        if not withheld(cause.name) and not cause.given and before_the_encoders(cause)
+        for word in cause.variants
+        if word != BOTH
+    )
+
+
+def _starts(term: Term, commands: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Coordinates to begin at: next to the null, and far from it where seconds are told."""
+    null = np.array([0.0 if np.isfinite(p.null) else p.high for p in term.cause.parameters])
+    near = (term.cause.starts(commands) or [null])[0]
+    seconds = [p.unit == "s" for p in term.cause.parameters]
+    most = [STRONG * p.bounds[1] for p in term.cause.parameters]
+    return near, np.where(seconds, most, near)
+
+
+def chosen(wheels: Wheels) -> Fit:
+    """The terms without which the wheels are clearly told worse."""
+    menu = _menu()
+    smooth = tuple(term for term in menu if term.cause.smooth)
+    pairs = [_starts(term, wheels.tracks.commands) for term in smooth]
+    slow = [k for k, (near, far) in enumerate(pairs) if (near != far).any()]
+    begin = [
+        tuple(pair[k in strong] for k, pair in enumerate(pairs))
+        for strong in [(), *((k,) for k in slow), tuple(slow)]
+    ]
+    for _ in range(2):
+        fit = min((wheels.fit(smooth, at) for at in begin), key=lambda one: float(one.loss.sum()))
+        wheels.rescaled(fit)
+        begin = [fit.at]
+    fit = wheels.fit(smooth, fit.at)
+    for cause in {term.cause.name: term.cause for term in menu if not term.cause.smooth}.values():
+        fit = _with_threshold(wheels, fit, cause)
+    while fit.terms:
+        without = _without_least(wheels, fit)
+        if without is None:
+            break
+        fit = without
+    return _of_both(wheels, fit)
+
+
+def left_out(fit: Fit, k: int) -> tuple[Terms, Coordinates]:
+    """All but one term."""
+    return fit.terms[:k] + fit.terms[k + 1 :], fit.at[:k] + fit.at[k + 1 :]
+
+
+def _without_least(wheels: Wheels, fit: Fit) -> Fit | None:
+    """The fit without the term that is missed least; None: all are clearly missed."""
+    alone = [wheels.off(*left_out(fit, k)) for k in range(len(fit.terms))]
+    order = np.argsort([float(wheels.deviance(off).sum()) for off in alone])
+    for k in order.tolist():
+        without = wheels.fit(*left_out(fit, k))
+        if not wheels.clearly(without.loss - fit.loss):
+            return without
+    return None
+
+
+def _with_threshold(wheels: Wheels, fit: Fit, cause: Cause) -> Fit:
+    """The fit with a threshold that jumps beside it, in the wheels where it helps."""
+    commands = wheels.tracks.commands
+    tried = cause.starts(commands)
+    for word in cause.variants:
+        if word == BOTH or not tried:
+            continue
+        terms = (*fit.terms, Term(cause, word))
+        beside = fit.at
+
+        def deviance(threshold: float) -> float:
+            off = wheels.off(terms, (*beside, np.array([threshold])))  # noqa: B023
+            return float(wheels.deviance(off).sum())
+
+        here = float(min(tried, key=lambda at: deviance(float(at[0])))[0])
+        here = bracket(commands, here, deviance, wheels.rules.odds).best
+        found = wheels.fit(terms, (*beside, np.array([here])))
+        if wheels.clearly(fit.loss - found.loss):
+            fit = found
+    return fit
+
+
+def _of_both(wheels: Wheels, fit: Fit) -> Fit:
+    """The fit with one value for both wheels where two are hardly better."""
+    for cause in [term.cause for term in fit.terms if BOTH in term.cause.variants]:
+        mine = [k for k, term in enumerate(fit.terms) if term.cause == cause]
+        if len(mine) < 2:
+            continue
+        rest = [k for k in range(len(fit.terms)) if k not in mine]
+        terms = (*(fit.terms[k] for k in rest), Term(cause, BOTH))
+        mean = np.mean([fit.at[k] for k in mine], axis=0)
+        one = wheels.fit(terms, (*(fit.at[k] for k in rest), mean))
+        if not wheels.clearly(one.loss - fit.loss):
+            fit = one
+    return fit
