@@ -39,7 +39,7 @@ def test_every_measurement_that_a_document_names_is_there() -> None:
     }
     assert named == {
         *("ambiguous", "bench", "convergence", "gain", "healthy-scores"),
-        *("inherent-gap", "scaling"),
+        *("inherent-gap", "real", "scaling"),
     }
     for name in named:
         assert CliRunner().invoke(app, ["measure", name, "--help"]).exit_code == 0

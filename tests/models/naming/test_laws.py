@@ -272,7 +272,7 @@ def test_larger_wheels_come_back_as_a_constant_if_nobody_has_thought_of_them() -
     law = without("wheel_radius_scale")
     assert (law["channel"], law["atoms"][0]["form"]) == ("both", "always")
     assert law["equation"].startswith("ω_left, ω_right ×= 1 + 0.0")
-    assert law["coefficients"][0]["value"] == pytest.approx(0.04, rel=0.01)
+    assert law["coefficients"][0]["value"] == pytest.approx(0.04, rel=0.05)
 
 
 @pytest.mark.slow

@@ -84,11 +84,13 @@ def test_a_test_skipped_for_want_of_data_says_where_it_looked(tmp_path, monkeypa
     assert str(tmp_path / "optiodom") in str(skipped.value)
 
 
-def test_a_real_robots_slow_start_is_called_unexplained_not_a_limit_of_its_motors():
-    directory = shared_data("optiodom") / "ivanjko"
+def test_a_real_robots_slow_start_stays_unexplained_and_is_calibrated():
+    directory = shared_data("optiodom") / "ivanjko" / "250620201618"
     model = read_model_file("optiodom")
     log = make_log(read_optiodom(directory, drive=model.nominal_drive), drive=model.nominal_drive)
     found = diagnose(log, model, None).diagnosis
     assert found.verdict == "unexplained"
-    assert found.unexplained[0].quantity == "start"
-    assert "motor_saturation" not in [one.term.cause.name for one in found.named]
+    assert "motor_saturation" not in [one.term.cause.name for one in found.named if one.exported]
+    (calibrated,) = found.calibration
+    before, after = calibrated.errors["heading_5s"]
+    assert after < 0.2 * before

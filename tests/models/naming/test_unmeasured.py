@@ -11,7 +11,7 @@ import pytest
 
 from realitygap.embedded_sim import Drive
 from realitygap.embedded_sim.senses import Senses
-from realitygap.models.belief.catalogue import sense_causes
+from realitygap.models.belief.catalogue import every_cause, sense_causes
 from realitygap.models.belief.cause import Parameter
 from realitygap.models.belief.senses import Belief, SenseCause
 from realitygap.models.log.measured import make_log
@@ -61,6 +61,7 @@ def test_a_cause_in_the_senses_that_is_new_to_the_reference_accuses_nobody(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setitem(sense_causes(), DUSTY.name, DUSTY)
+    monkeypatch.setitem(every_cause(), DUSTY.name, DUSTY)
     found = examined(shipped())
     assert found.named == ()
     said = [text for text in found.not_checked if text.startswith(DUSTY.name)]

@@ -32,6 +32,10 @@ from realitygap.models.naming.laws.told import with_laws
 from realitygap.models.naming.preflight import preflight
 from realitygap.models.naming.rules import Rules
 
+KNOWN = 0.9
+"""Share of rows whose encoders must be known for them to stand for commands. No rule: a lost row
+is bridged by the one before."""
+
 
 def diagnose(
     log: MeasuredLog,
@@ -68,7 +72,7 @@ def diagnose(
         no_reference(model.name, model.motion().drive, rules) if reference is None else reference
     )
     alike = healthy.recorded_like(log.recorder, log.step)
-    if reference is None and tracks.encoders is not None:
+    if reference is None and _counted(tracks):
         found, tracks = _in_two(tracks, healthy, believed)
     else:
         found = identify(tracks, healthy, believed, alike=alike)
@@ -101,6 +105,15 @@ def diagnose(
     )
     whole = with_laws(claimed(examined, log, table, seed=seed), log, table)
     return with_calibration(whole, log, table)
+
+
+def _counted(tracks: Tracks) -> bool:
+    """Whether the encoders of every robot's every run are known, but for a row here and there."""
+    if tracks.encoders is None:
+        return False
+    known = np.isfinite(tracks.encoders).all(axis=1).astype(np.float64)
+    share = np.add.reduceat(known, tracks.start[:-1]) / np.diff(tracks.start)
+    return bool((share > KNOWN).all())
 
 
 def _in_two(
