@@ -301,10 +301,10 @@ static void replay(bytes *from) {
     rg_refusal why = {0};
     const int32_t other = extreme_whole(from); /* more than there are would be the caller's lie */
     const int64_t said = below(from, 16) == 0 && other < rows ? other : rows;
-    const int32_t status = ended(
-        1,
-        rg_replay(&drive, said, segments, start, t, commands, initial, NULL, poses, speeds, NULL, &why),
-        &why);
+    const int32_t status = ended(1,
+                                 rg_replay(&drive, said, segments, start, t, commands, initial,
+                                           NULL, poses, speeds, NULL, &why),
+                                 &why);
     for (int i = 0; status == RG_OK && i < 3 * rows; i++)
         if (!isfinite(poses[i]))
             fail("pose", i, &why);
