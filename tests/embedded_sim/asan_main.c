@@ -136,8 +136,8 @@ static void replay(const rg_model *m) {
     late.acceleration[0] = late.acceleration[1] = 50.0;
     const rg_drive *drives[2] = {&m->drive, &late};
     for (int i = 0; i < 2; i++) {
-        int status =
-            rg_replay(drives[i], ROWS, 3, start, t, commands, initial, NULL, poses, speeds, NULL, &why);
+        int status = rg_replay(drives[i], ROWS, 3, start, t, commands, initial, NULL, poses, speeds,
+                               NULL, &why);
         if (status == RG_OK)
             status = rg_readings(m, ROWS, poses, scenarios, t, ps, ls, &why);
         if (status != RG_OK)
