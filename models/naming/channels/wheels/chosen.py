@@ -13,7 +13,7 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.catalogue import causes
 from realitygap.models.belief.cause import Cause
 from realitygap.models.belief.withheld import withheld
-from realitygap.models.naming.channels.wheels.fit import Coordinates, Fit, Wheels
+from realitygap.models.naming.channels.wheels.fit import Coordinates, EncodedWheels, WheelFit
 from realitygap.models.naming.channels.wheels.halves import before_the_encoders
 from realitygap.models.naming.engine.hypothesis import Term, Terms
 from realitygap.models.naming.engine.threshold import bracket
@@ -50,7 +50,7 @@ def _starts(term: Term, commands: FloatArray) -> tuple[FloatArray, FloatArray]:
     return near, np.where(seconds, most, near)
 
 
-def chosen(wheels: Wheels) -> Fit:
+def chosen(wheels: EncodedWheels) -> WheelFit:
     """The terms without which the wheels are clearly told worse."""
     menu = _menu()
     smooth = tuple(term for term in menu if term.cause.smooth)
@@ -75,12 +75,12 @@ def chosen(wheels: Wheels) -> Fit:
     return _of_both(wheels, fit)
 
 
-def left_out(fit: Fit, k: int) -> tuple[Terms, Coordinates]:
+def left_out(fit: WheelFit, k: int) -> tuple[Terms, Coordinates]:
     """All but one term."""
     return fit.terms[:k] + fit.terms[k + 1 :], fit.at[:k] + fit.at[k + 1 :]
 
 
-def _without_least(wheels: Wheels, fit: Fit) -> Fit | None:
+def _without_least(wheels: EncodedWheels, fit: WheelFit) -> WheelFit | None:
     """The fit without the term that is missed least; None: all are clearly missed."""
     alone = [wheels.off(*left_out(fit, k)) for k in range(len(fit.terms))]
     order = np.argsort([float(wheels.deviance(off).sum()) for off in alone])
@@ -91,7 +91,7 @@ def _without_least(wheels: Wheels, fit: Fit) -> Fit | None:
     return None
 
 
-def _with_threshold(wheels: Wheels, fit: Fit, cause: Cause) -> Fit:
+def _with_threshold(wheels: EncodedWheels, fit: WheelFit, cause: Cause) -> WheelFit:
     """The fit with a threshold that jumps beside it, in the wheels where it helps."""
     commands = wheels.tracks.commands
     tried = cause.starts(commands)
@@ -113,7 +113,7 @@ def _with_threshold(wheels: Wheels, fit: Fit, cause: Cause) -> Fit:
     return fit
 
 
-def _of_both(wheels: Wheels, fit: Fit) -> Fit:
+def _of_both(wheels: EncodedWheels, fit: WheelFit) -> WheelFit:
     """The fit with one value for both wheels where two are hardly better."""
     for cause in [term.cause for term in fit.terms if BOTH in term.cause.variants]:
         mine = [k for k, term in enumerate(fit.terms) if term.cause == cause]

@@ -26,7 +26,7 @@ Coordinates = tuple[FloatArray, ...]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Fit:
+class WheelFit:
     """Terms fitted to one robot's wheels."""
 
     terms: Terms
@@ -35,7 +35,7 @@ class Fit:
     """(n,) deviance of each row."""
 
 
-class Wheels:
+class EncodedWheels:
     """One robot's encoders beside what motors should have made of its commands."""
 
     def __init__(self, tracks: Tracks, base: Motion) -> None:
@@ -51,11 +51,11 @@ class Wheels:
         self._least = coarse(tracks.step)
         self.scale = max(float(np.sqrt(np.mean(off**2))), self._least)
 
-    def of_part(self, part: int) -> Wheels | None:
+    def of_part(self, part: int) -> EncodedWheels | None:
         """The same judged in one part of the log alone; None: there is nothing of it."""
         if not (self.part == part).any():
             return None
-        one = object.__new__(Wheels)
+        one = object.__new__(EncodedWheels)
         one.__dict__ = dict(self.__dict__, judged=self.part == part)
         return one
 
@@ -98,7 +98,7 @@ class Wheels:
         idle = np.isfinite(parameter.null) and self.motion((term,), (less,)) == self.base
         return (0.0 if idle else low), high
 
-    def fit(self, terms: Terms, start: Coordinates) -> Fit:
+    def fit(self, terms: Terms, start: Coordinates) -> WheelFit:
         """The terms where the errors are least, from a start."""
         smooth = tuple(k for k, term in enumerate(terms) if term.cause.smooth)
         at = list(start)
@@ -134,13 +134,13 @@ class Wheels:
             for k, here in zip(smooth, cut(free, found.x), strict=True):
                 at[k] = here
         loss = self.deviance(self.off(terms, tuple(at)))
-        return Fit(terms=terms, at=tuple(at), loss=loss)
+        return WheelFit(terms=terms, at=tuple(at), loss=loss)
 
     def deviance(self, off: FloatArray) -> FloatArray:
         """(n,) of errors (n, 2)."""
         return np.asarray(self._loss(off**2)[0].sum(axis=1))
 
-    def rescaled(self, fit: Fit) -> None:
+    def rescaled(self, fit: WheelFit) -> None:
         """Take the errors' scale from a fit, robustly."""
         off = self.off(fit.terms, fit.at) * self.scale
         self.scale = max(NORMAL * float(np.median(np.abs(off))), self._least)
@@ -151,7 +151,7 @@ class Wheels:
         error = float(np.sqrt(np.sum((each - each.mean()) ** 2)))
         return float(each.sum()) > max(self.rules.cause_gate, self.rules.errors * error)
 
-    def covariance(self, fit: Fit) -> FloatArray:
+    def covariance(self, fit: WheelFit) -> FloatArray:
         """(p, p) of the smooth coordinates, by blocks."""
         jacobian, off = self.jacobian(fit.terms, fit.at), self.off(fit.terms, fit.at).ravel()
         weight = self._loss(off**2)[1]

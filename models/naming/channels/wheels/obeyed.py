@@ -14,7 +14,7 @@ from realitygap.models.belief.motion import Motion
 from realitygap.models.naming.channels.motion.fitted import Key, Values
 from realitygap.models.naming.channels.motion.tracks import Tracks
 from realitygap.models.naming.channels.wheels.chosen import chosen, left_out
-from realitygap.models.naming.channels.wheels.fit import Fit, Wheels
+from realitygap.models.naming.channels.wheels.fit import EncodedWheels, WheelFit
 from realitygap.models.naming.engine.threshold import bracket
 from realitygap.models.naming.engine.value import Value, told, values
 from realitygap.models.naming.findings import Evidence, Named
@@ -45,7 +45,7 @@ def obeyed(tracks: Tracks, believed: Sequence[Motion]) -> Obeyed:
         own = tracks.only([k])
         if not len(own.t):
             continue
-        wheels = Wheels(own, believed[k])
+        wheels = EncodedWheels(own, believed[k])
         fit = chosen(wheels)
         if not fit.terms:
             continue
@@ -60,7 +60,7 @@ def obeyed(tracks: Tracks, believed: Sequence[Motion]) -> Obeyed:
     return Obeyed(named=tuple(named), by_part=(parts[0], parts[1]))
 
 
-def _shares(each: Sequence[Wheels | None], fits: Sequence[Fit | None]) -> list[float]:
+def _shares(each: Sequence[EncodedWheels | None], fits: Sequence[WheelFit | None]) -> list[float]:
     """(terms,) of the squared errors without each term, what it takes off the other part."""
     told = [one for one in fits if one is not None]
     left, kept = np.zeros(len(told[0].terms)), 0.0
@@ -74,7 +74,7 @@ def _shares(each: Sequence[Wheels | None], fits: Sequence[Fit | None]) -> list[f
     return [1.0 - kept / one if one > 0.0 else 0.0 for one in left.tolist()]
 
 
-def _values(wheels: Wheels, fit: Fit) -> list[tuple[Value, ...]]:
+def _values(wheels: EncodedWheels, fit: WheelFit) -> list[tuple[Value, ...]]:
     """Parameters of every term with intervals."""
     covariance, begin, found = wheels.covariance(fit), 0, []
     for k, (term, at) in enumerate(zip(fit.terms, fit.at, strict=True)):
@@ -86,7 +86,7 @@ def _values(wheels: Wheels, fit: Fit) -> list[tuple[Value, ...]]:
     return found
 
 
-def _threshold(wheels: Wheels, fit: Fit, k: int) -> Value:
+def _threshold(wheels: EncodedWheels, fit: WheelFit, k: int) -> Value:
     """A threshold between the commanded speeds that it may lie between."""
 
     def deviance(threshold: float) -> float:
@@ -98,7 +98,9 @@ def _threshold(wheels: Wheels, fit: Fit, k: int) -> Value:
     return told(fit.terms[k].cause.parameters[0], edges.mean, edges.low, edges.high)
 
 
-def _named(wheels: Wheels, fit: Fit, robot: int, shares: Sequence[float]) -> list[Named]:
+def _named(
+    wheels: EncodedWheels, fit: WheelFit, robot: int, shares: Sequence[float]
+) -> list[Named]:
     """The terms as names."""
     covariance, begin, found = wheels.covariance(fit), 0, []
     numbers = _values(wheels, fit)
