@@ -14,13 +14,12 @@ from realitygap.models.gap.flips import Means, residual_maps, scores
 from realitygap.models.gap.replay import CHANNELS, HORIZONS, errors, windows
 from realitygap.models.gap.shares import Share, split
 from realitygap.models.gap.spread import Excess, excess
+from realitygap.models.log.blocks import BLOCK_SECONDS
 from realitygap.models.log.frames import Windows, motion
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.noise import PoseNoise, window_noise
 
 UNITS = {"along": "m", "across": "m", "heading": "rad"}
-BLOCK_SECONDS = 5.0
-"""s turned together: longer than any tracker's filter. Our choice."""
 MOST_BLOCKS = 2000
 """More blocks sharpen nothing; longer blocks keep the cost of a long log down."""
 CLEAR_TO = 1.0

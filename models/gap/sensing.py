@@ -22,14 +22,13 @@ from realitygap.models.log.frames import Windows, motion, moved, wrapped
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.noise import PoseNoise
 from realitygap.models.log.schema import CASES, LS, PS
+from realitygap.models.log.tracker import NORMAL
 
 AROUND = 0.16
 """s on each side over which poses are averaged at most: a replay hardly drifts in it."""
 DRIFT = 1.5
 """Times the tracker's noise by which poses that a replay carries may scatter and still be averaged:
 where a log misses commands, it carries them nowhere."""
-NORMAL = 1.4826
-"""Standard deviations of a normal variable in its median absolute one."""
 SPACING = 0.4
 """s between the rows that are judged, at least: no pose measurement enters two of them."""
 QUANTISATION = 1.0 / 12.0

@@ -13,6 +13,9 @@ from scipy.special import stdtr
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.log.frames import Rows
 
+BLOCK_SECONDS = 5.0
+"""s held out, resampled or compared together: longer than most contacts and any tracker's filter.
+Our choice."""
 RESAMPLED = 400
 """Bootstrap samples of blocks for an interval."""
 

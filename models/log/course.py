@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.log.frames import Rows
+from realitygap.models.log.tracker import NORMAL
 
 SPAN = 0.1
 """s between the positions that a course is taken from, or two rows where rows are rarer."""
@@ -21,7 +22,7 @@ CLEARLY = 8.0
 within 0.2 rad. Our choice."""
 SETTLED = 0.5
 """s without a reversal: motors obey later than they are told, by 0.3 s in real robots."""
-SCALE = 1.4826 / np.sqrt(6.0)
+SCALE = NORMAL / np.sqrt(6.0)
 """Standard deviations of noise in a median absolute second difference."""
 
 

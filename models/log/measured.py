@@ -23,7 +23,7 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.log.course import courses
 from realitygap.models.log.even import evened
 from realitygap.models.log.named import Names, numbered
-from realitygap.models.log.obeyed import disobeyed
+from realitygap.models.log.overridden import overridden
 from realitygap.models.log.plausible import check_units
 from realitygap.models.log.schema import (
     BODY_COMMANDS,
@@ -199,7 +199,7 @@ def make_log(
     other = np.zeros(len(t), dtype=bool)
     if set(ENCODERS) <= set(usable.columns):
         wheels = usable[list(ENCODERS)].to_numpy(dtype=np.float64)
-        other = disobeyed(t, commands, wheels, start)
+        other = overridden(t, commands, wheels, start)
     if other.any():
         seconds = float(np.append(steps, step)[other].clip(0.0, GAP_STEPS * step).sum())
         notes.append(

@@ -16,6 +16,8 @@ from realitygap.models.naming.engine.state import State
 from realitygap.models.naming.engine.value import Value
 
 Robots = tuple[int, ...]
+SURE = 99.0
+"""Standard deviations beyond which a distance says no more. No rule: what is told."""
 
 
 class Where(NamedTuple):

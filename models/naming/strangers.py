@@ -20,6 +20,7 @@ from realitygap.models.gap.sensing import measured
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.preflight.entry import PreflightEntry
 from realitygap.models.log.schema import LS, PS
+from realitygap.models.log.tracker import NORMAL
 from realitygap.models.naming.channels.senses.neighbours import MARGIN, around
 
 MOST_ROWS = 10_000
@@ -36,8 +37,6 @@ sensor, whose noise there is 20 and 5 counts."""
 MISSED = 0.5
 """Share of strong readings that may be missing: a robot alone misses a sixth. No rule: where the
 wall is elsewhere nearly all are."""
-NORMAL = 1.4826
-"""Standard deviations of a normal variable in its median absolute one. No rule: of statistics."""
 
 
 def without_strangers(

@@ -81,6 +81,7 @@ def write_report(shown: Findings, path: Path) -> None:
             *_tracks(shown, room),
             *_evidence(shown, room),
             tables.gain_section(examined),
+            *tables.calibration_section(found.calibration, found.names),
             tables.robots_section(examined),
             tables.not_checked_section(examined, shown.log.frame.columns),
             tables.found_section(examined),

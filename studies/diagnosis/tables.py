@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 import numpy as np
 import pandas as pd
 
 from realitygap.models.belief.catalogue import every_cause
+from realitygap.models.belief.cause import ALL
+from realitygap.models.belief.extension import NamedCause
+from realitygap.models.log.named import Names
 from realitygap.models.log.used import REASONS
 from realitygap.models.naming.channels.motion.examination import Examination
 from realitygap.models.naming.channels.senses.joined import WholeExamination
-from realitygap.models.naming.diagnosis import alternatives
+from realitygap.models.naming.channels.wheels.chosen import BOTH
+from realitygap.models.naming.claims.ahead import KEYS
+from realitygap.models.naming.diagnosis import Calibrated, alternatives
 from realitygap.studies.diagnosis.words import (
     detectable_sentence,
     entry_text,
@@ -34,6 +39,12 @@ GAIN = (
     "in two, by runs where there are several and else by time, and each part is predicted by a "
     "file with the values of the other. Before: the model as it was. Of a healthy robot: what the "
     "minimal model leaves of one under the same commands."
+)
+CALIBRATED = (
+    "Something stays open of these robots, and the extended model predicts them with these values "
+    "beside all that was named. They were fitted together, and by itself none means what its name "
+    "says. Errors are means, without and with them; each half of the log is predicted with the "
+    "values of the other."
 )
 CAN_TELL = (
     "Measured of the log before anything is asked of a robot, with what is made of it. None of it "
@@ -70,10 +81,40 @@ def gain_section(examined: Examination) -> Section:
     """What the extended model predicts better."""
     found = examined.diagnosis
     exported = any(one.exported for one in found.named)
-    nothing = [] if exported else ["Nothing was added to the model, so that nothing is gained."]
+    nothing = [] if exported else ["No named cause was added to the model: nothing is gained here."]
     rows = [gain_row(name, gain) for name, gain in found.gain.items()]
     tables = [PageTable.of(pd.DataFrame(rows))] if rows else []
     return Section("What the extended model gains", [GAIN, *nothing], tables=tables)
+
+
+def calibration_section(calibrated: Sequence[Calibrated], names: Names) -> list[Section]:
+    """Values that predict best where no name accounts for it; nothing where there are none."""
+    if not calibrated:
+        return []
+    rows = [
+        {
+            "robot": names[one.robot],
+            "values": "; ".join(_term_text(term) for term in one.terms),
+            **{
+                name.replace("_", " "): f"{before:.3g} to {after:.3g} {KEYS[name]}"
+                for name, (before, after) in one.errors.items()
+            },
+        }
+        for one in calibrated
+    ]
+    tables = [PageTable.of(pd.DataFrame(rows))]
+    return [Section("Calibrated, which is no diagnosis", [CALIBRATED], tables=tables)]
+
+
+def _term_text(term: NamedCause) -> str:
+    """A term of a calibration: parameters with values and units, and of which wheel."""
+    units = {one.name: one.unit for one in term.cause.parameters}
+    word = f" ({term.word})" if term.word not in (ALL, BOTH) else ""
+    told = (
+        f"{name} {one.value:.4g} {units[name]}".removesuffix(" 1")
+        for name, one in term.parameters.items()
+    )
+    return ", ".join(told) + word
 
 
 def can_tell_section(examined: Examination) -> Section:

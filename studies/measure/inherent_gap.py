@@ -27,6 +27,7 @@ from realitygap.models.gap.sensor_gap import sensor_gap
 from realitygap.models.log.frames import Windows, motion
 from realitygap.models.log.measured import MeasuredLog, read_log
 from realitygap.models.log.noise import pose_noise
+from realitygap.models.log.tracker import NORMAL
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.rooms import scratch
 from realitygap.studies.run.experiment import simulate
@@ -63,7 +64,7 @@ def measure(seed: int, minutes: float, file: ModelFile) -> dict[str, Any]:
             for name, rows in (("clear", ~touching), ("contact", touching)):
                 if rows.sum() >= 20:
                     key = f"{gap.horizon} {channel} {name}"
-                    found[key] = 1.4826 * float(np.median(np.abs(gap.error[rows, k])))
+                    found[key] = NORMAL * float(np.median(np.abs(gap.error[rows, k])))
                     found[f"{key} mean"] = float(np.mean(_clipped(gap.error[rows, k])))
         found[f"{gap.horizon} share in contact"] = float(touching.mean())
         if gap.horizon == "0.4 s":
@@ -106,7 +107,7 @@ def _steady(table: pd.DataFrame) -> npt.NDArray[np.bool_]:
 def _clipped(values: FloatArray) -> FloatArray:
     """Values clipped at four robust deviations about their median."""
     middle = np.median(values)
-    reach = 4 * 1.4826 * np.median(np.abs(values - middle))
+    reach = 4 * NORMAL * np.median(np.abs(values - middle))
     return np.clip(values, middle - reach, middle + reach)
 
 

@@ -13,6 +13,7 @@ import itertools
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -64,8 +65,11 @@ def data_sets(folder: Path) -> Iterator[DataSet]:
     """The data sets of a folder, in the order of their names.
 
     Raises:
-        InputError: there is none.
+        InputError: there is none, or what rivals need is not installed.
     """
+    if find_spec("sklearn") is None:
+        expected = "the extra [compare] to be installed: pip install 'reality-gap[compare]'"
+        raise InputError("scikit-learn", "not installed", expected)
     found = False
     for session in sorted(folder.glob("optiodom/*/*")):
         if session.is_dir():
@@ -183,7 +187,7 @@ def _judged(name: str, log: MeasuredLog, believed: Mapping[int, Motion]) -> pd.D
 
 def _trees(log: MeasuredLog, later: MeasuredLog, minimal: Mapping[int, Motion]) -> pd.DataFrame:
     """The minimal model with its error as trees learn it from the commands."""
-    from sklearn.ensemble import HistGradientBoostingRegressor  # an extra: compare
+    from sklearn.ensemble import HistGradientBoostingRegressor
 
     paths = {id(one): replay_believed(one, minimal) for one in (log, later)}
 

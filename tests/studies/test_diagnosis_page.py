@@ -17,15 +17,16 @@ from hypothesis import strategies as st
 import realitygap as rg
 from realitygap.models.belief.catalogue import causes, every_cause
 from realitygap.models.belief.cause import Cause, Parameter
-from realitygap.models.belief.extension import Extension
+from realitygap.models.belief.extension import Extension, NamedCause, ParameterValue
 from realitygap.models.log.named import Names
-from realitygap.models.naming.diagnosis import Diagnosis, Unexplained
+from realitygap.models.naming.diagnosis import Calibrated, Diagnosis, Unexplained
 from realitygap.models.naming.engine.hypothesis import Term
 from realitygap.models.naming.engine.value import Value
 from realitygap.models.naming.findings import Evidence, Named
 from realitygap.studies.diagnosis.box import model_lines, verdict_box
 from realitygap.studies.diagnosis.figures import rival_bars
 from realitygap.studies.diagnosis.plain import plain_sentence
+from realitygap.studies.diagnosis.tables import calibration_section
 from realitygap.studies.diagnosis.tracks import worst_tracks
 from realitygap.studies.pages.glossary import Words, meanings
 from tests.browser import CHROMIUM, WIDTHS, browser
@@ -171,6 +172,33 @@ def test_the_box_never_says_two_things(
         unsure = not one.exported or (one.evidence.rivals and one.term.cause is not LAG.cause)
         assert bool(re.search(rf"(Either|It may be this): {re.escape(told)}", said)) == bool(unsure)
         assert (f"{one.term.cause.name} is not in extended.toml" in said) == (not one.exported)
+
+
+def test_a_calibration_is_told_with_its_values_and_errors() -> None:
+    """Values without a name of their own: which, of which wheel, and what they take off."""
+    terms = (
+        NamedCause(
+            name="motor_saturation",
+            word="right",
+            parameters={"limit": ParameterValue(value=5.2)},
+        ),
+        NamedCause(
+            name="motor_lag",
+            parameters={"time_constant": ParameterValue(value=0.25)},
+        ),
+    )
+    one = Calibrated(robot=1, terms=terms, errors={"position_5s": (0.042, 0.029)})
+    (section,) = calibration_section((one,), Names())
+    (table,) = section.tables
+    (row,) = table.rows
+    told = {
+        name: getattr(cell, "text", cell) for name, cell in zip(table.columns, row, strict=True)
+    }
+    assert told["robot"] == "1"
+    assert "limit 5.2 rad/s (right); " in told["values"]
+    assert "0.25 s" in told["values"]
+    assert told["position 5s"] == "0.042 to 0.029 m"
+    assert not calibration_section((), Names())
 
 
 def test_the_named_cause_has_the_first_bar_of_its_chart() -> None:

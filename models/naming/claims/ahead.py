@@ -16,9 +16,9 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
 from realitygap.models.gap.believed import replay_segments
 from realitygap.models.gap.conditions import never_touching
-from realitygap.models.gap.motion_gap import BLOCK_SECONDS, throughout
+from realitygap.models.gap.motion_gap import throughout
 from realitygap.models.gap.replay import HORIZONS, errors
-from realitygap.models.log.blocks import nth
+from realitygap.models.log.blocks import BLOCK_SECONDS, nth
 from realitygap.models.log.frames import Rows, Windows
 from realitygap.models.log.held_out import parts
 from realitygap.models.log.measured import MeasuredLog

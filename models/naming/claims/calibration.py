@@ -24,9 +24,8 @@ from realitygap.models.belief.extension import NamedCause, ParameterValue
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.belief.motion import Motion
 from realitygap.models.gap.believed import replay_segments
-from realitygap.models.gap.motion_gap import BLOCK_SECONDS
 from realitygap.models.gap.replay import errors
-from realitygap.models.log.blocks import better
+from realitygap.models.log.blocks import BLOCK_SECONDS, better
 from realitygap.models.log.frames import Windows
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.tracker import NORMAL

@@ -28,6 +28,7 @@ from realitygap.models.gap.motion_gap import CLEAR_TO, throughout
 from realitygap.models.gap.replay import HORIZONS, errors, windows
 from realitygap.models.gap.sensor_gap import sensors_to_judge
 from realitygap.models.gap.stood import poses_as_stood
+from realitygap.models.log.blocks import BLOCK_SECONDS
 from realitygap.models.log.frames import Windows
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.schema import LS, PS
@@ -35,9 +36,6 @@ from realitygap.models.naming.channels.senses.nest import answers
 from realitygap.models.naming.channels.senses.predicted import noise, noise_scale, predict
 from realitygap.models.naming.channels.senses.sight import Sight, look
 
-BLOCK_SECONDS = 5.0
-"""s of one robot that are kept together for resampling, as elsewhere: longer than most contacts.
-No rule, as all numbers here: they say where a gap is measured, not what is named."""
 SEEN = 20.0
 """counts that the first model must expect for an infrared reading to be judged: the wall is there.
 Our choice: four times the noise of a reading of nothing."""

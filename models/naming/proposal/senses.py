@@ -11,6 +11,7 @@ import numpy as np
 from realitygap.embedded_sim import CONTROL_STEP, SENSORS, PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.senses import Belief, SenseCause
+from realitygap.models.log.blocks import BLOCK_SECONDS
 from realitygap.models.naming.channels.senses.diagnose import SenseExamination
 from realitygap.models.naming.channels.senses.identify import SensesFound
 from realitygap.models.naming.channels.senses.levels import SQUARE
@@ -18,7 +19,7 @@ from realitygap.models.naming.channels.senses.neighbours import FAR, Neighbours
 from realitygap.models.naming.channels.senses.nest import Answers, Crossings
 from realitygap.models.naming.channels.senses.predicted import predict
 from realitygap.models.naming.channels.senses.readings import KINDS, Eye, ReadingRows
-from realitygap.models.naming.channels.senses.sight import BLOCK_SECONDS, Sight, lamp_in_sight
+from realitygap.models.naming.channels.senses.sight import Sight, lamp_in_sight
 from realitygap.models.naming.channels.senses.terms import columns_of
 from realitygap.models.naming.engine.fitter import Fitter
 from realitygap.models.naming.engine.hypothesis import Term

@@ -29,12 +29,9 @@ from realitygap.models.naming.claims.ahead import HORIZON_OF, KEYS, SECONDS, Ahe
 from realitygap.models.naming.claims.harm import Predictions, harmless, robots_of
 from realitygap.models.naming.claims.written import at_bound
 from realitygap.models.naming.diagnosis import Detectable, Gain, Unexplained
-from realitygap.models.naming.findings import Named
+from realitygap.models.naming.findings import SURE, Named
 from realitygap.models.naming.health.reference import Reference
 from realitygap.models.naming.rules import Rules
-
-SURE = 99.0
-"""Standard deviations beyond which a distance says no more. No rule: what is told."""
 
 
 def claimed(

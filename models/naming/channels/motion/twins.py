@@ -16,16 +16,13 @@ from realitygap.models.belief.catalogue import causes
 from realitygap.models.belief.cause import ALL
 from realitygap.models.belief.motion import Motion
 from realitygap.models.belief.withheld import withheld
-from realitygap.models.log.blocks import nth
+from realitygap.models.log.blocks import BLOCK_SECONDS, nth
 from realitygap.models.log.tracker import NORMAL
 from realitygap.models.naming.channels.motion.fit import Problem
 from realitygap.models.naming.channels.motion.predict import coarse, wheel_errors
 from realitygap.models.naming.channels.motion.tracks import Tracks
 from realitygap.models.naming.engine.hypothesis import Fit, Term
 from realitygap.models.naming.rules import Rules
-
-BLOCK_SECONDS = 5.0
-"""No rule: blocks are of five seconds everywhere."""
 
 
 class Twins(NamedTuple):

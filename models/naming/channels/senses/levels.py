@@ -12,7 +12,8 @@ import numpy as np
 from realitygap.embedded_sim import PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.senses import Belief
-from realitygap.models.naming.channels.senses.predicted import LEAST_TELLING, NORMAL, TELLING, read
+from realitygap.models.log.tracker import NORMAL
+from realitygap.models.naming.channels.senses.predicted import LEAST_TELLING, TELLING, read
 from realitygap.models.naming.channels.senses.readings import ReadingRows
 from realitygap.models.naming.channels.senses.sight import Sight
 

@@ -10,8 +10,9 @@ import numpy.typing as npt
 from realitygap.embedded_sim import PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.senses import Belief
+from realitygap.models.log.blocks import BLOCK_SECONDS
 from realitygap.models.log.measured import MeasuredLog
-from realitygap.models.naming.channels.senses.sight import BLOCK_SECONDS, Rows
+from realitygap.models.naming.channels.senses.sight import Rows
 
 SURELY_SEEN = 1e-4
 """m: least error of where a robot crossed the nest's edge. No rule: it keeps a ratio finite."""

@@ -11,6 +11,7 @@ from scipy.special import ndtr
 from realitygap.embedded_sim import SENSORS, PointModel, readings
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.senses import Belief
+from realitygap.models.log.tracker import NORMAL
 from realitygap.models.naming.channels.senses.path import Path
 from realitygap.models.naming.channels.senses.sight import Bools, Rows, Sight
 
@@ -21,8 +22,6 @@ TELLING = 20.0
 of nothing scatters. No rule: of the sensor."""
 LEAST_TELLING = 60
 """Such readings from which a scale is told. No rule: fewer do not tell a scatter to a tenth."""
-NORMAL = 1.4826
-"""Standard deviations of a normal variable in its median absolute one. No rule: of statistics."""
 TABLE_ERROR = 0.01
 """Relative standard deviation of what a captured table and its interpolation get wrong.
 No rule: of the tables."""

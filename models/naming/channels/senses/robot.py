@@ -12,6 +12,7 @@ from realitygap.embedded_sim import PointModel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.senses import Belief, SenseCause
 from realitygap.models.gap.replay import replay_log
+from realitygap.models.log.blocks import BLOCK_SECONDS
 from realitygap.models.log.held_out import PARTS
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.noise import pose_noise
@@ -21,7 +22,7 @@ from realitygap.models.naming.channels.senses.levels import Level, Scatter, targ
 from realitygap.models.naming.channels.senses.made import Made
 from realitygap.models.naming.channels.senses.nest import Crossings, answers
 from realitygap.models.naming.channels.senses.readings import KINDS, Eye, ReadingRows
-from realitygap.models.naming.channels.senses.sight import BLOCK_SECONDS, Rows, Sight
+from realitygap.models.naming.channels.senses.sight import Rows, Sight
 from realitygap.models.naming.channels.senses.terms import (
     Doses,
     applied,

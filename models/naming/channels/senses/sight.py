@@ -19,7 +19,7 @@ from realitygap.models.belief.motion import Motion
 from realitygap.models.gap.believed import replay_believed
 from realitygap.models.gap.sensing import averaged_poses, measured, rows_around, scenarios
 from realitygap.models.gap.stood import commanded, poses_as_stood
-from realitygap.models.log.blocks import nth
+from realitygap.models.log.blocks import BLOCK_SECONDS, nth
 from realitygap.models.log.held_out import parts
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.noise import PoseNoise, pose_noise
@@ -48,8 +48,6 @@ BY_ROW = (
 """What a `Sight` has for every row."""
 STATES = ("food", "nest")
 """Columns of the virtual sensor."""
-BLOCK_SECONDS = 5.0
-"""s held out or resampled together. No rule: blocks are of five seconds everywhere."""
 NEAREST_LAMP = 0.12
 """m from the lamp below which the captured table is too coarse: its nodes lie 5 degrees apart.
 No rule: of the tables."""

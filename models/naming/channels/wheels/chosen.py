@@ -7,6 +7,8 @@ over blocks of time.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
@@ -91,6 +93,14 @@ def _without_least(wheels: EncodedWheels, fit: WheelFit) -> WheelFit | None:
     return None
 
 
+def _deviance_of(
+    wheels: EncodedWheels, terms: Terms, beside: Coordinates, threshold: float
+) -> float:
+    """With a threshold as the last term."""
+    off = wheels.off(terms, (*beside, np.array([threshold])))
+    return float(wheels.deviance(off).sum())
+
+
 def _with_threshold(wheels: EncodedWheels, fit: WheelFit, cause: Cause) -> WheelFit:
     """The fit with a threshold that jumps beside it, in the wheels where it helps."""
     commands = wheels.tracks.commands
@@ -99,15 +109,10 @@ def _with_threshold(wheels: EncodedWheels, fit: WheelFit, cause: Cause) -> Wheel
         if word == BOTH or not tried:
             continue
         terms = (*fit.terms, Term(cause, word))
-        beside = fit.at
-
-        def deviance(threshold: float) -> float:
-            off = wheels.off(terms, (*beside, np.array([threshold])))  # noqa: B023
-            return float(wheels.deviance(off).sum())
-
-        here = float(min(tried, key=lambda at: deviance(float(at[0])))[0])
+        deviance = partial(_deviance_of, wheels, terms, fit.at)
+        here = float(tried[int(np.argmin([deviance(float(at[0])) for at in tried]))][0])
         here = bracket(commands, here, deviance, wheels.rules.odds).best
-        found = wheels.fit(terms, (*beside, np.array([here])))
+        found = wheels.fit(terms, (*fit.at, np.array([here])))
         if wheels.clearly(fit.loss - found.loss):
             fit = found
     return fit

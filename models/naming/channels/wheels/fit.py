@@ -9,14 +9,12 @@ from scipy.optimize import least_squares
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
-from realitygap.models.log.blocks import nth
+from realitygap.models.log.blocks import BLOCK_SECONDS, nth
 from realitygap.models.log.tracker import NORMAL
 from realitygap.models.naming.channels.motion.predict import coarse, wheel_errors
 from realitygap.models.naming.channels.motion.tracks import Tracks
 from realitygap.models.naming.engine.hypothesis import Term, Terms
 
-BLOCK_SECONDS = 5.0
-"""No rule: blocks are of five seconds everywhere."""
 EVALUATIONS = 30
 """Most steps of one fit. No rule: it bounds work."""
 SCALED = 20.0
@@ -78,11 +76,14 @@ class EncodedWheels:
         return np.array([(freedom + 1.0) * np.log(below), slope, -slope / (freedom * below)])
 
     def jacobian(self, terms: Terms, at: Coordinates) -> FloatArray:
-        """(2 n, p) of the errors by the terms' coordinates."""
+        """(2 n, p) of the errors by the terms' coordinates; nought for a threshold, which jumps."""
         flat, columns = np.concatenate(at), []
         here = self.off(terms, at).ravel()
-        parameters = [p for term in terms for p in term.cause.parameters]
-        for k, p in enumerate(parameters):
+        parameters = [(p, term.cause.smooth) for term in terms for p in term.cause.parameters]
+        for k, (p, smooth) in enumerate(parameters):
+            if not smooth:
+                columns.append(np.zeros(len(here)))
+                continue
             step = -p.step if flat[k] + p.step > p.bounds[1] else p.step
             there = flat.copy()
             there[k] += step

@@ -17,10 +17,7 @@ from realitygap.models.naming.channels.wheels.chosen import chosen, left_out
 from realitygap.models.naming.channels.wheels.fit import EncodedWheels, WheelFit
 from realitygap.models.naming.engine.threshold import bracket
 from realitygap.models.naming.engine.value import Value, told, values
-from realitygap.models.naming.findings import Evidence, Named
-
-SURE = 99.0
-"""Standard deviations beyond which a distance says no more. No rule: what is told."""
+from realitygap.models.naming.findings import SURE, Evidence, Named
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -7,7 +7,7 @@ import pandas as pd
 
 from realitygap.embedded_sim import Drive, replay
 from realitygap.models.log.measured import MeasuredLog, make_log
-from realitygap.models.log.obeyed import disobeyed
+from realitygap.models.log.overridden import overridden
 
 STEP = 0.05
 ROWS = 1200
@@ -68,4 +68,4 @@ def test_a_robot_that_rolls_out_for_a_second_obeys() -> None:
     told = np.where(t[:, None] < 5.0, 4.0, 0.0) * np.ones(2)
     rolls = np.where(t[:, None] < 6.0, 4.0, 0.0) * np.ones(2)
     start = np.array([0, 200])
-    assert not disobeyed(t, told, rolls, start).any()
+    assert not overridden(t, told, rolls, start).any()

@@ -22,7 +22,7 @@ FAST = 0.6
 """The same for a command that surely turns a wheel: dead zones are below it."""
 
 
-def disobeyed(t: FloatArray, commands: FloatArray, encoders: FloatArray, start: Rows) -> Bools:
+def overridden(t: FloatArray, commands: FloatArray, encoders: FloatArray, start: Rows) -> Bools:
     """(rows,) whether wheels turned though told to rest for long, or rested though told to turn.
 
     Args:
