@@ -13,6 +13,7 @@ from realitygap.models.naming.engine.fitter import Fitter, Refined
 from realitygap.models.naming.engine.gates import Gates
 from realitygap.models.naming.engine.hypothesis import Term
 from realitygap.models.naming.engine.items import Mask
+from realitygap.models.naming.engine.loudest import given, without_loudest
 from realitygap.models.naming.engine.marginal import freed
 from realitygap.models.naming.engine.search import contenders, fitted_with, offers, possible, search
 from realitygap.models.naming.engine.separable import inseparable
@@ -58,22 +59,49 @@ def judge(state: State, scope: int, gates: Gates) -> tuple[State, Judged]:
         if fit is None or not causes:
             none = Refined((), np.zeros((0, 0)), 0.0) if fit is None else fit
             return state, Judged((), none, ())
-        gains = []
+        gains, lacking = [], []
         for k, one in enumerate(causes):
             rest = [*causes[:k], *causes[k + 1 :]]
             without = fitter.fit([o.item.of for o in rest], [o.coordinates for o in rest])
             lost = np.inf if without is None else without.square - fit.square
             gains.append(lost - state.rules.price * (len(one.coordinates) - 1))
-        weakest = int(np.argmin(gains))
-        if gains[weakest] >= _needed(causes, gains, weakest, gates, state.rules):
-            fitted = iter(fit.coordinates)
-            moved = [
-                one if one.item.term is None else one._replace(coordinates=next(fitted))
-                for one in kept
+            lacking.append(without)
+        drop = int(np.argmin(gains))
+        if gains[drop] >= _needed(causes, gains, drop, gates, state.rules):
+            judged = Judged(tuple(terms), fit, tuple(gains))
+            alone = [
+                k
+                for k, without in enumerate(lacking)
+                if without is not None and _on_one_window(fitter, judged, k, without, gates)
             ]
-            return _at(state, scope, moved), Judged(tuple(terms), fit, tuple(gains))
-        less = [one for one in kept if one is not causes[weakest]]
+            if not alone:
+                return _at(state, scope, _moved(kept, fit)), judged
+            drop = alone[0]
+        less = [one for one in kept if one is not causes[drop]]
         state = with_kept(state, scope, less)
+
+
+def _moved(kept: Sequence[Kept], fit: Refined) -> list[Kept]:
+    """What is kept, its causes where a fit has them."""
+    fitted = iter(fit.coordinates)
+    return [
+        one if one.item.term is None else one._replace(coordinates=next(fitted)) for one in kept
+    ]
+
+
+def _on_one_window(fitter: Fitter, judged: Judged, k: int, without: Refined, gates: Gates) -> bool:
+    """Whether a cause passes its gate with the window that says most of it, and not else."""
+    terms, fit, gain = judged.terms, judged.fit, judged.gains[k]
+    rest = [*terms[:k], *terms[k + 1 :]]
+    change = fitter.losses(rest, without.coordinates) - fitter.losses(terms, fit.coordinates)
+    if gain - float(change.max()) >= gates.cause:  # a window takes away what it gave, or less
+        return False
+    less = Fitter(Weighed(without_loudest(fitter.state, fitter.scope, change)), fitter.scope)
+    one, other = less.fit(terms, fit.coordinates), less.fit(rest, without.coordinates)
+    if one is None or other is None:
+        return False
+    price = fitter.state.rules.price * (len(fit.coordinates[k]) - 1)
+    return other.square - one.square - price < gates.cause
 
 
 def _at(state: State, scope: int, kept: list[Kept]) -> State:
@@ -158,11 +186,14 @@ def following(weighed: Weighed, scope: int, named: float, gates: Gates) -> list[
     found = []
     for item in plain:
         others = [c for o in plain if o is not item for c in o.columns]
-        score = freed(weighed.with_flexible(scope), np.array(others, dtype=np.int64))
-        at = list(item.columns)
-        own, pull = score.information[np.ix_(at, at)], score.slope[at]
-        gain = float(pull @ np.linalg.lstsq(own, pull, rcond=None)[0])
-        if gain <= max(gates.flexible, state.rules.mended * named):
+        gain, step, square = _told(weighed, scope, others, item.columns)
+        needed = max(gates.flexible, state.rules.mended * named)
+        change = given(state, scope, item.columns, step)
+        if gain - float(change.max()) <= needed < gain:
+            less = Weighed(without_loudest(state, scope, change))
+            if _told(less, scope, others, item.columns)[0] <= needed:
+                continue
+        if gain <= needed:
             continue
         found.append(
             Follows(
@@ -172,10 +203,21 @@ def following(weighed: Weighed, scope: int, named: float, gates: Gates) -> list[
                 whole_swarm=scope == SWARM and len(state.robots) >= state.rules.least_swarm,
                 distance=float(np.sqrt(gain)),
                 gain=gain,
-                share=gain / max(score.square, gain),
+                share=gain / max(square, gain),
             )
         )
     return found
+
+
+def _told(
+    weighed: Weighed, scope: int, others: Sequence[int], columns: Sequence[int]
+) -> tuple[float, FloatArray, float]:
+    """Gain of some columns beside others that are free, (q,) their step, and the deviance."""
+    score = freed(weighed.with_flexible(scope), np.array(others, dtype=np.int64))
+    at = list(columns)
+    own, pull = score.information[np.ix_(at, at)], score.slope[at]
+    step = np.linalg.lstsq(own, pull, rcond=None)[0]
+    return float(pull @ step), np.asarray(step), score.square
 
 
 def standing(named: list[Named], follows: list[Follows], rules: Rules) -> list[Named]:

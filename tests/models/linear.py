@@ -98,6 +98,14 @@ class ToyRobot:
         """A motion with a cause."""
         return term.cause.applied(motion, coordinates, term.variant)
 
+    def without(self, window: int) -> ToyRobot:
+        """One window is empty."""
+        y, columns = self.y.copy(), self.columns.copy()
+        windows = len(self.tracks.first)
+        y.reshape(windows, -1)[window] = 0.0
+        columns.reshape(windows, -1, columns.shape[1])[window] = 0.0
+        return replace(self, y=y, columns=columns)
+
     def moved(self, motion: Any, _: Any) -> Any:
         """Elsewhere, where its columns are the same."""
         return replace(self, motion=motion)

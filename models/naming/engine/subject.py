@@ -56,5 +56,8 @@ class Subject(Protocol):
     def applied(self, motion: Any, term: Term, coordinates: FloatArray) -> Any:
         """What is believed with a cause."""
 
+    def without(self, window: int) -> Subject:
+        """The robot as if one window said nothing."""
+
     def moved(self, motion: Any, tracks: Any) -> Subject:
         """The robot at something else, its noise learned anew; `tracks` is the whole log."""

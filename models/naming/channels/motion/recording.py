@@ -90,10 +90,13 @@ def unsure(step: float, names: Sequence[str], rules: Rules) -> dict[str, float]:
     }
     found = {f"{NAME}@{name}": sd for name, sd in spread.items()}
     for name in names:
-        key, parameter = name.partition("@")[0].partition(".")[::2]
+        key, _, dose = name.partition("@")
+        key, _, parameter = key.partition(".")
         cause = causes().get(key.partition("/")[0])
         if cause is None or cause.family != TRANSIENT or cause.name in DELAYS:
             continue
-        seconds = any(p.name == parameter and p.unit == "s" for p in cause.parameters)
-        found[name] = 0.5 * step if seconds else rules.record_dose
+        if any(p.unit == "s" and (dose or p.name == parameter) for p in cause.parameters):
+            found[name] = 0.5 * step / (float(dose) if dose else 1.0)
+        else:
+            found[name] = rules.record_dose
     return found

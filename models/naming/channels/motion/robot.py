@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -74,6 +74,11 @@ class Robot:
     def applied(self, motion: Motion, term: Term, coordinates: FloatArray) -> Motion:
         """A motion with a cause."""
         return term.cause.applied(motion, coordinates, term.variant)
+
+    def without(self, window: int) -> Robot:
+        """The robot as if one window said nothing."""
+        keep = (self.tracks.window != window).astype(np.float64)
+        return replace(self, noise=replace(self.noise, weight=self.noise.weight * keep[:, None]))
 
     def moved(self, motion: Motion, tracks: Tracks) -> Robot:
         """The robot at another motion, its noise learned anew from it alone.

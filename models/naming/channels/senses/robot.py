@@ -129,6 +129,15 @@ class SenseRobot:
         """The robot at something else, its noise learned anew from it alone."""
         return self.log.at([self.index], [motion])[0]
 
+    def without(self, window: int) -> SenseRobot:
+        """The robot as if one window said nothing."""
+        parts, begin = [], 0
+        for one in self.parts:
+            keep = one.keep * (one.channel.window != window - begin)
+            parts.append(replace(one, keep=keep))
+            begin += len(one.channel.first)
+        return replace(self, parts=tuple(parts))
+
     def of_part(self, part: int) -> SenseRobot:
         """With the rows of one part of the log alone."""
         kept = [replace(one, keep=(self.log.part(one) == part).astype(float)) for one in self.parts]
