@@ -138,7 +138,7 @@ def test_weak_motors_without_encoders_ask_for_steps_with_encoders() -> None:
     frame = driven_log(
         5,
         robots=1,
-        rows=1500,
+        rows=3000,
         drive=Drive(acceleration=(40.0, 40.0)),
         position_noise=5e-4,
         heading_noise=5e-3,
