@@ -183,9 +183,7 @@ def _check_moving(poses: FloatArray, commands: FloatArray, start: npt.NDArray[np
         )
 
 
-def check_counting(
-    wheels: FloatArray, poses: FloatArray, start: npt.NDArray[np.int64]
-) -> None:
+def check_counting(wheels: FloatArray, poses: FloatArray, start: npt.NDArray[np.int64]) -> None:
     """Refuse encoders that never count though a robot moves.
 
     Args:
