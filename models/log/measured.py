@@ -115,7 +115,8 @@ def read_log(source: Path | str, *, drive: Drive, fastest: float | None = None) 
     """Read a log from a Parquet or CSV file, or from the directory of a run.
 
     Args:
-        source: `.parquet`, `.csv`, `.tsv`, `.txt`, `.csv.gz`, or a directory that holds `samples.parquet`.
+        source: `.parquet`, `.csv`, `.tsv`, `.txt`, `.csv.gz`, or a directory that holds
+            `samples.parquet`.
         drive: The nominal geometry, which turns body commands into wheel speeds.
         fastest: rad/s, most a wheel of this robot turns; commands far beyond are refused.
 

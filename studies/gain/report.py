@@ -82,8 +82,9 @@ def _numbers(content: Mapping[str, Any]) -> Section:
         for one in content["errors"]
     ]
     text = (
-        f"Mean absolute errors with 95 % intervals{_over(content)}. The share of the gap closed is "
-        "stated only where the minimal model's error is surely larger than it is for healthy robots."
+        f"Mean absolute errors with 95 % intervals{_over(content)}. The share of the gap closed "
+        "is stated only where the minimal model's error is surely larger than it is for healthy "
+        "robots."
     )
     return Section("Every channel", [text], tables=[PageTable.of(pd.DataFrame(rows))])
 

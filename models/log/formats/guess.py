@@ -41,6 +41,9 @@ LATEST = 1e10
 FEASIBLE = 3.0
 """Times the fastest a wheel turns that it is told at most: in logarithms half way to a unit ten
 times as large."""
+TICKS = (
+    '# Encoders may be named, as wheel_left = { from = "...", unit = "ticks", per_turn = ... }.'
+)
 QUATERNION = ("qx", "qy", "qz", "qw")
 _NUMBER = re.compile(r"-?[0-9.]+(e[+-]?[0-9]+)?", re.IGNORECASE)
 Told = dict[str, str | float]
@@ -283,6 +286,8 @@ def _text(
         head.append("# The measured motion follows the commands in no usual units: look twice.")
     if left:
         head.append(f"# Not used: {', '.join(left)}.")
+    if any("tick" in name.lower() or "encoder" in name.lower() for name in left):
+        head.append(TICKS)
     return "\n".join([*head, "", _lines(found, given, why)])
 
 

@@ -131,3 +131,12 @@ def test_a_log_with_encoders_is_not_said_to_have_none() -> None:
     assert not {name for name in shown if before_the_encoders(causes()[name])}
     assert 0.0 < (shown["wheel_radius_scale"] or 0.0) < 0.2
     assert told.untold == {}
+
+
+def test_a_robot_that_stands_and_one_of_a_single_row_disturb_nobody() -> None:
+    frame = table(Drive(time_constant=0.5), rows=1200)
+    still = frame.assign(robot=1, x=1.0, y=1.0, yaw=0.0)
+    still[["cmd_left", "cmd_right", "wheel_left", "wheel_right"]] = 0.0
+    every = pd.concat([frame, still, frame.iloc[:1].assign(robot=2)])
+    found = diagnose(make_log(every, drive=Drive()), MODEL, None).diagnosis
+    assert [(one.term.cause.name, one.robots) for one in found.named] == [("motor_lag", (0,))]
