@@ -41,9 +41,7 @@ LATEST = 1e10
 FEASIBLE = 3.0
 """Times the fastest a wheel turns that it is told at most: in logarithms half way to a unit ten
 times as large."""
-TICKS = (
-    '# Encoders may be named, as wheel_left = { from = "...", unit = "ticks", per_turn = ... }.'
-)
+TICKS = '# Encoders may be named, as wheel_left = { from = "...", unit = "ticks", per_turn = ... }.'
 QUATERNION = ("qx", "qy", "qz", "qw")
 _NUMBER = re.compile(r"-?[0-9.]+(e[+-]?[0-9]+)?", re.IGNORECASE)
 Told = dict[str, str | float]
