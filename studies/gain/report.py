@@ -58,7 +58,7 @@ def _pictures(content: Mapping[str, Any], room: Path) -> Section:
     if any(one["kind"] in ("ps", "ls") for one in errors):
         _draw_senses(errors, room / "senses.png")
         drawn.append(Picture(room / "senses.png", SENSES))
-    if len(content["by_run"]) > 1:
+    if len(content["held_out"]["runs"]) > 1:
         _draw_runs(content, room / "runs.png")
         drawn.append(Picture(room / "runs.png", BY_RUN))
     return Section("What naming the cause is worth", content["summary"][1:], figures=drawn)
@@ -192,7 +192,9 @@ def _draw_runs(content: Mapping[str, Any], path: Path) -> None:
     axis = figure.subplots()
     held = {run["run"]: run for run in content["held_out"]["runs"]}
     long["run"] = [_scenario(held.get(run, {}), run) for run in long["run"]]
-    style = {"palette": COLOURS, "jitter": False, "dodge": True}
+    long["model"] = long["model"].map(LABELS)
+    palette = {LABELS[name]: colour for name, colour in COLOURS.items()}
+    style = {"palette": palette, "jitter": False, "dodge": True}
     sns.stripplot(long, x="run", y="error", hue="model", ax=axis, **style)
     axis.set(ylabel="position error 1 s ahead (mm)", ylim=(0, None), xlabel="")
     axis.tick_params(axis="x", labelsize=7)
