@@ -111,7 +111,9 @@ def _columns(raw: pd.DataFrame, path: Path, *, poses: bool) -> dict[str, tuple[s
         missing.append("commands")
     if missing:
         listed = ", ".join(shown(name, LONGEST_NAME) for name in raw.columns)
-        expected = "columns that say which they are, or a map that does (--map)"
+        name = "cmd_v" if missing[0] == "commands" else missing[0]
+        lines = f'a map (--map): [columns], then lines as {name} = "HEADER"'
+        expected = f"columns that say which they are, or {lines}"
         said_missing = f"no column that looks like {', '.join(missing)} among {listed}"
         raise InputError(path.name, said_missing, expected)
     return found

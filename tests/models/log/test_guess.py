@@ -119,7 +119,13 @@ def test_millimetres_throughout_are_told_by_what_the_robot_can_do():
 
 @pytest.mark.parametrize(
     ("dropped", "said"),
-    [("t", "looks like t among"), ("x", "like x "), ("cmd_left", "commands")],
+    [
+        ("t", "looks like t among"),
+        ("x", "like x "),
+        ("x", '[columns], then lines as x = "HEADER"'),
+        ("cmd_left", "commands"),
+        ("cmd_left", 'cmd_v = "HEADER"'),
+    ],
 )
 def test_what_is_missing_is_named_with_what_is_there(dropped, said):
     with pytest.raises(InputError) as caught:
