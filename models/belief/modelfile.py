@@ -216,7 +216,8 @@ def find_model_file(source: Path | str | None = None) -> Path:
         return ROBOTS / f"{path}.toml"
     if os.path.lexists(path):  # whatever it is, its reader says what is wrong with it
         return path
-    raise InputError("model", path, f"a model file (.toml) or {nearest(str(path), SHIPPED)}")
+    got = f"{path}: no such file" if path.suffix or path.name != str(path) else path
+    raise InputError("model", got, f"a model file (.toml) or {nearest(str(path), SHIPPED)}")
 
 
 def read_model_file(source: Path | str | None = None) -> ModelFile:

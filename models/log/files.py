@@ -87,8 +87,14 @@ def _first_problem(
     kind: type[BaseModel], path: Path, what: str, error: ValidationError
 ) -> InputError:
     """Which key, what was there, what is valid."""
-    first = error.errors()[0]
-    keys = [str(part) for part in first["loc"]]
+    every = error.errors()
+    first = every[0]
+    if first["type"] == "missing":  # a misspelt key is missing under its right name, too
+        unknown = (one for one in every if one["type"] == "extra_forbidden")
+        beside = (one for one in unknown if one["loc"][:-1] == first["loc"][:-1])
+        first = next(beside, first)
+    # pydantic names its own validators, too
+    keys = [str(part) for part in first["loc"] if not str(part).startswith("function-")]
     refused = first.get("ctx", {}).get("error")
     if isinstance(refused, Refused):
         keys += refused.field.split(".") if refused.field else []

@@ -24,7 +24,7 @@ from realitygap.models.log.course import courses
 from realitygap.models.log.even import evened
 from realitygap.models.log.named import Names, numbered
 from realitygap.models.log.overridden import overridden
-from realitygap.models.log.plausible import check_units
+from realitygap.models.log.plausible import check_counting, check_units
 from realitygap.models.log.schema import (
     BODY_COMMANDS,
     ENCODERS,
@@ -42,8 +42,8 @@ from realitygap.models.log.tracker import held, repair
 
 SAMPLES = "samples.parquet"
 EXPECTED = (
-    "a readable table (.parquet, .csv or .csv.gz), or a run's directory; what else labs have is "
-    "turned into one by `realitygap import`"
+    "a readable table (.parquet, .csv, .tsv, .txt or .csv.gz), or a run's directory; what else "
+    "labs have is turned into one by `realitygap import`"
 )
 GAP_STEPS = 3.5
 """A stretch ends where rows are missing for longer than this many median steps. Our choice: two
@@ -115,7 +115,8 @@ def read_log(source: Path | str, *, drive: Drive, fastest: float | None = None) 
     """Read a log from a Parquet or CSV file, or from the directory of a run.
 
     Args:
-        source: `.parquet`, `.csv`, `.csv.gz`, or a directory that holds `samples.parquet`.
+        source: `.parquet`, `.csv`, `.tsv`, `.txt`, `.csv.gz`, or a directory that holds
+            `samples.parquet`.
         drive: The nominal geometry, which turns body commands into wheel speeds.
         fastest: rad/s, most a wheel of this robot turns; commands far beyond are refused.
 
@@ -140,7 +141,7 @@ def read_table(path: Path) -> pd.DataFrame:
     kind = "".join(path.suffixes[-2:]) if path.suffix == ".gz" else path.suffix
     if kind == ".parquet":
         return read_parquet(path, EXPECTED)
-    if kind in (".csv", ".csv.gz"):
+    if kind in (".csv", ".csv.gz", ".tsv", ".txt"):
         return read_csv(path, EXPECTED, packed=kind == ".csv.gz")
     raise InputError("log", path, EXPECTED)
 
@@ -199,6 +200,7 @@ def make_log(
     other = np.zeros(len(t), dtype=bool)
     if set(ENCODERS) <= set(usable.columns):
         wheels = usable[list(ENCODERS)].to_numpy(dtype=np.float64)
+        check_counting(wheels, poses, start)
         other = overridden(t, commands, wheels, start)
     if other.any():
         seconds = float(np.append(steps, step)[other].clip(0.0, GAP_STEPS * step).sum())
@@ -219,7 +221,7 @@ def make_log(
         usable.loc[again, list(POSE)] = np.nan
         poses = usable[list(POSE)].to_numpy(dtype=np.float64)
     speed = float(np.abs(0.5 * commands @ np.array(drive.wheel_radius)).max())
-    track = repair(poses, t, stretch, segment, names, speed)
+    track = repair(poses, t, stretch, segment, names, speed, headed=headed)
     return MeasuredLog(
         frame=usable,
         start=start,

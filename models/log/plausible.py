@@ -19,6 +19,7 @@ import numpy.typing as npt
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.log.agreement import STEPS, Driven, contrast, disagreement, usual_step
+from realitygap.models.log.schema import ENCODERS
 from realitygap.models.log.unit_mistakes import UnitReading, mistakes
 
 SAMPLE = 20_000
@@ -32,6 +33,8 @@ GOOD = 0.35
 """Disagreement (0: none, 1: unrelated) below which motion agrees. A motor at half speed: 0.33."""
 BETTER = 0.5
 """A mistake must halve the disagreement to be believed."""
+MOVED = 0.05
+"""m: a robot surely moved. Our choice."""
 TOO_FAST = 10.0
 """Times the fastest a wheel turns: beyond any other robot's motor, within any mistake of units."""
 
@@ -153,7 +156,7 @@ def _check_moving(poses: FloatArray, commands: FloatArray, start: npt.NDArray[np
     moves = [_moves(poses[a:b], commands[a:b]) for a, b in pairwise(start)]
     known = [one for one in moves if one is not None]
     furthest = max((max(one.span[:2]) for one in known), default=0.0)
-    if not commands.any() and furthest > 0.05:
+    if not commands.any() and furthest > MOVED:
         raise InputError(
             "commands",
             f"zero in every row while x or y moves {furthest:.3g} m",
@@ -178,6 +181,27 @@ def _check_moving(poses: FloatArray, commands: FloatArray, start: npt.NDArray[np
             "one value in every row of robots that are driven",
             "measured poses",
         )
+
+
+def check_counting(wheels: FloatArray, poses: FloatArray, start: npt.NDArray[np.int64]) -> None:
+    """Refuse encoders that never count though a robot moves.
+
+    Args:
+        wheels: (rows, 2) rad/s by the encoders, NaN where not.
+        poses: (rows, 3) measured, NaN where lost.
+        start: (segments + 1,) first rows, and the row count.
+
+    Raises:
+        InputError: they are zero in every row.
+    """
+    known = np.isfinite(wheels)
+    if not known.any() or wheels[known].any():
+        return
+    moves = [_moves(poses[a:b], wheels[a:b]) for a, b in pairwise(start)]
+    far = max((max(one.span[:2]) for one in moves if one is not None), default=0.0)
+    if far > MOVED:
+        seen = f"zero in every row while x or y moves {far:.3g} m"
+        raise InputError(" and ".join(ENCODERS), seen, "what the encoders counted, or no columns")
 
 
 class _Moves(NamedTuple):

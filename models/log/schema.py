@@ -61,6 +61,8 @@ def check_columns(columns: list[str]) -> list[str]:
             or an unknown column looks like a misspelt one.
     """
     twice = sorted({name for name in columns if columns.count(name) > 1})
+    # of two columns of one name the reader of CSV calls the second x.1
+    twice += [name for name in UNITS if name in columns and f"{name}.1" in columns]
     if twice:
         raise InputError("columns", f"{twice[0]} twice", "every column once")
     unknown = [name for name in columns if name not in UNITS]

@@ -40,6 +40,12 @@ NORMAL = 1.4826
 """Standard deviation of a normal variable per median absolute deviation."""
 
 Flags = npt.NDArray[np.bool_]
+NO_COURSE = (
+    "without a heading: it stands, turns on the spot, has just reversed, or is slow beside the "
+    "tracker's noise",
+    "a column yaw, or a robot that mostly drives on",
+)
+"""What is said of robots whose positions mostly do not tell where they face."""
 
 
 class Repair(NamedTuple):
@@ -59,6 +65,8 @@ def repair(
     segment: Rows,
     names: list[str],
     fastest: float,
+    *,
+    headed: bool = True,
 ) -> Repair:
     """Set aside wild poses and cut tracks where they jump.
 
@@ -69,6 +77,7 @@ def repair(
         segment: (rows,) which robot in which run.
         names: (segments,) what to call each in a refusal.
         fastest: m/s, the highest commanded speed.
+        headed: Whether the tracker told headings; else they are courses.
 
     Raises:
         InputError: a robot's poses are mostly missing, or jump so often that it is no track.
@@ -76,8 +85,8 @@ def repair(
     notes = []
     lost: Flags = np.asarray(np.isnan(poses).any(axis=1))
     measured = ~lost
-    expected = "poses in most rows: leave it out"
-    _refuse(_missing(lost, segment), segment, names, MOST_LOST, "without a pose", expected)
+    seen, expected = ("without a pose", "poses in most rows: leave it out") if headed else NO_COURSE
+    _refuse(_missing(lost, segment), segment, names, MOST_LOST, seen, expected)
     if lost.any():
         longest = _longest(lost, stretch)
         notes.append(f"{lost.sum()} rows without a pose set aside (at most {longest} in a row)")

@@ -36,7 +36,7 @@ def _numbers(*, nullable: bool = True, limit: float = _LIMIT) -> pa.Column:
 SCHEMA = pa.DataFrameSchema(
     {
         "run": pa.Column(str, coerce=True, required=False),
-        "robot": pa.Column(int, coerce=True),
+        "robot": pa.Column(int, pa.Check.ge(0, error="whole numbers from 0"), coerce=True),
         "t": _numbers(limit=1e20),
         **{name: _numbers() for name in (*POSE, *WHEEL_COMMANDS, *BODY_COMMANDS)},
         **{name: _numbers() for name in (*ENCODERS, *CARRIED, *PS, *LS)},

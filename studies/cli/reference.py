@@ -77,4 +77,4 @@ def reference(
             force=force,
             reach=shown.reach,
         )
-    return Outcome(out, f"{made.robots} healthy robots in {made.swarms} runs", out)
+    return Outcome(out, f"healthy robots: {made.robots}, in runs: {made.swarms}", out)

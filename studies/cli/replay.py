@@ -54,5 +54,5 @@ def replay(
         )
     seconds = sum(run["seconds"] for run in done["runs"])
     robots = f"{len(done['robots'])} robot{'s' * (len(done['robots']) > 1)}"
-    line = f"{robots}, {seconds:.0f} s, {done['bytes'] / 1e6:.1f} MB"
+    line = f"{robots}, {seconds:.0f} s, {done['bytes'] / 1e6:.2g} MB"
     return Outcome(done, line, out, done["notes"])

@@ -104,5 +104,5 @@ def run(
             reach=shown.reach,
         )
     speed = found.config.minutes * 60.0 / found.totals["wall_seconds"]
-    brought = f"{found.totals['deposits']:.0f} items brought to the nest"
+    brought = f"items brought to the nest: {found.totals['deposits']:.0f}"
     return Outcome(out / "run.json", f"{brought}, {speed:.0f} times real time", out)

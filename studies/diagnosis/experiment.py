@@ -159,7 +159,7 @@ def experiment(
         raise InputError(
             "DIAGNOSIS",
             f"the verdict {content.get('verdict')}, and no manoeuvre proposed",
-            "one that proposes a manoeuvre: it is ambiguous, and next_experiment is not null",
+            "an ambiguous one that proposes a manoeuvre; its not_checked says why there is none",
         )
     read = {name: content[name] for name in ProposingTable.model_fields if name in content}
     found = _planned(checked(ProposingTable, read, Path(FILE), "a diagnosis"), model)

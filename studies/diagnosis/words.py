@@ -44,12 +44,13 @@ def verdict_sentence(found: Diagnosis) -> str:
     if found.verdict == "cannot_tell":
         return " ".join([f"{VERDICTS['cannot_tell']}: {untold_sentence(found)}", *unknown])
     begin, said = VERDICTS[found.verdict], found.named
-    beside: list[str] = []
     if found.verdict == "unexplained":
         begin = begin if found.unexplained else SEEN
         said = tuple(one for one in found.named if not one.exported)
-        sure = tuple(one for one in found.named if one.exported)
-        beside = [f"Beside it is named: {_causes(sure, found.names)}."] if sure else []
+    elif found.verdict == "ambiguous":
+        said = tuple(one for one in found.named if alternatives(one))
+    sure = tuple(one for one in found.named if one not in said)
+    beside = [f"Beside it is named: {_causes(sure, found.names)}."] if sure else []
     text = begin + (f": {_causes(said, found.names)}." if said else ".")
     left = [leftover_sentence(one, found.names) for one in found.unexplained]
     return " ".join([text, *left, *beside, *unknown])

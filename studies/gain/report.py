@@ -11,10 +11,12 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatter
 
 from realitygap.models.gap.replay import HORIZONS
 from realitygap.studies.gain.food import food_lines, food_table
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
+from realitygap.studies.gain.weigh import LEAST_RUNS
 from realitygap.studies.gain.words import LABELS, SHOWN, number, percent
 from realitygap.studies.pages.page import PageTable, Picture, Section, write_page
 from realitygap.studies.plumbing.rooms import scratch
@@ -22,10 +24,10 @@ from realitygap.studies.plumbing.rooms import scratch
 DPI = 100
 COLOURS = {BEFORE: "#b0413e", HEALTHY: "#7f7f7f", EXTENDED: "#2f6f9f", ORACLE: "#222222"}
 BY_HORIZON = (
-    "Mean error of prediction against how far ahead, with 95 % intervals over runs. Windows of up "
-    "to one second are clear of wall and robots; longer ones nearly always meet some. Grey: what "
-    "the minimal model gets wrong of healthy robots, the level that an extension can reach."
+    "Mean error of prediction against how far ahead, with 95 % intervals{over}. Windows of up "
+    "to one second are clear of wall and robots; longer ones nearly always meet some."
 )
+GREY = " Grey: what the minimal model gets wrong of healthy robots, which an extension can reach."
 SENSES = (
     "Mean error of the readings that wall and lamp alone can have caused, sensor by sensor, with "
     "95 % intervals."
@@ -51,14 +53,21 @@ def _pictures(content: Mapping[str, Any], room: Path) -> Section:
     drawn = []
     if any(one["kind"] == "motion" for one in errors):
         _draw_horizons(errors, room / "horizons.png")
-        drawn.append(Picture(room / "horizons.png", BY_HORIZON))
+        grey = GREY if any(one[HEALTHY] for one in errors) else ""
+        drawn.append(Picture(room / "horizons.png", BY_HORIZON.format(over=_over(content)) + grey))
     if any(one["kind"] in ("ps", "ls") for one in errors):
         _draw_senses(errors, room / "senses.png")
         drawn.append(Picture(room / "senses.png", SENSES))
-    if len(content["by_run"]) > 1:
+    if len(content["held_out"]["runs"]) > 1:
         _draw_runs(content, room / "runs.png")
         drawn.append(Picture(room / "runs.png", BY_RUN))
     return Section("What naming the cause is worth", content["summary"][1:], figures=drawn)
+
+
+def _over(content: Mapping[str, Any]) -> str:
+    """What intervals resample."""
+    few = len(content["held_out"]["runs"]) < LEAST_RUNS
+    return " over blocks of 5 s of each robot" if few else " over runs"
 
 
 def _numbers(content: Mapping[str, Any]) -> Section:
@@ -73,8 +82,9 @@ def _numbers(content: Mapping[str, Any]) -> Section:
         for one in content["errors"]
     ]
     text = (
-        "Mean absolute errors with 95 % intervals over runs. The share of the gap closed is stated "
-        "only where the minimal model's error is surely larger than it is for healthy robots."
+        f"Mean absolute errors with 95 % intervals{_over(content)}. The share of the gap closed "
+        "is stated only where the minimal model's error is surely larger than it is for healthy "
+        "robots."
     )
     return Section("Every channel", [text], tables=[PageTable.of(pd.DataFrame(rows))])
 
@@ -113,7 +123,8 @@ def _named(content: Mapping[str, Any]) -> Section:
             "which": cause["word"] or None,
             "robots": str(cause["robots"]),
             "values": "; ".join(
-                f"{name} {p['value']:.4g} {p['unit']}" for name, p in cause["parameters"].items()
+                f"{name} {p['value']:.4g} {p['unit']}".removesuffix(" 1")
+                for name, p in cause["parameters"].items()
             ),
         }
         for cause in extended["causes"]
@@ -150,6 +161,8 @@ def draw_channel(errors: Sequence[Mapping[str, Any]], channel: str, axis: Axes) 
         axis.errorbar(x, value, reach, marker="o", capsize=2, color=colour, label=LABELS[name])
     axis.set(yscale="log", ylabel=f"{channel} error ({unit})", xlabel="ahead")
     axis.set_xticks(range(len(HORIZONS)), list(HORIZONS))
+    for which in (axis.yaxis.set_major_formatter, axis.yaxis.set_minor_formatter):
+        which(LogFormatter(labelOnlyBase=False, minor_thresholds=(2, 0.4)))
 
 
 def _draw_senses(errors: list[dict[str, Any]], path: Path) -> None:
@@ -179,7 +192,9 @@ def _draw_runs(content: Mapping[str, Any], path: Path) -> None:
     axis = figure.subplots()
     held = {run["run"]: run for run in content["held_out"]["runs"]}
     long["run"] = [_scenario(held.get(run, {}), run) for run in long["run"]]
-    style = {"palette": COLOURS, "jitter": False, "dodge": True}
+    long["model"] = long["model"].map(LABELS)
+    palette = {LABELS[name]: colour for name, colour in COLOURS.items()}
+    style = {"palette": palette, "jitter": False, "dodge": True}
     sns.stripplot(long, x="run", y="error", hue="model", ax=axis, **style)
     axis.set(ylabel="position error 1 s ahead (mm)", ylim=(0, None), xlabel="")
     axis.tick_params(axis="x", labelsize=7)

@@ -149,8 +149,9 @@ class Log:
     def size(self) -> str:
         """How long it is, in words."""
         runs = self.measured.segments["run"].nunique()
-        rows = f"{len(self.table)} rows, {runs} runs, {len(self.robots)} robots"
-        return f"{rows}, a row each {self.step:g} s"
+        some = ((len(self.table), "row"), (runs, "run"), (len(self.robots), "robot"))
+        told = ", ".join(f"{n} {what}{'s' * (n != 1)}" for n, what in some)
+        return f"{told}, a row each {self.step:.4g} s"
 
     def write(self, out: Path | str, *, force: bool = False) -> None:
         """Write the table as a file.

@@ -29,7 +29,7 @@ from realitygap.models.gap.conditions import conditions
 from realitygap.models.gap.replay import HORIZONS, errors, windows
 from realitygap.models.log.formats.optiodom import read_optiodom
 from realitygap.models.log.frames import Windows
-from realitygap.models.log.measured import MeasuredLog
+from realitygap.models.log.measured import MeasuredLog, read_table
 from realitygap.models.naming.claims.ahead import Ahead
 from realitygap.models.naming.claims.calibration import GEOMETRY, MOTORS, Paths, terms_of
 from realitygap.studies.diagnosis.diagnose import diagnose
@@ -39,8 +39,6 @@ from realitygap.studies.inputs.model import Model
 
 VARIABLE = "REALITYGAP_DATA"
 """Of the environment: the folder that holds `optiodom/` and `drive/`."""
-DRIVE = {"warthog-asphalt": "warthog", "warthog-ice": "warthog", "husky-wetgrass": "husky"}
-"""Model of each table of `drive/`; others there are tried by the first word of their names."""
 SECONDS = ("1 s", "5 s", "20 s")
 MOST_WINDOWS = 6000
 """Windows of each horizon that the trees learn from, and that all are judged on: it bounds work."""
@@ -57,7 +55,7 @@ class DataSet:
 
     name: str
     model: str
-    """Of a shipped model file."""
+    """Of a shipped model file; of a table of `drive/` the first word of its name."""
     frame: pd.DataFrame
 
 
@@ -80,8 +78,8 @@ def data_sets(folder: Path) -> Iterator[DataSet]:
             )
     for table in sorted(folder.glob("drive/*.parquet")):
         found = True
-        model = DRIVE.get(table.stem, table.stem.partition("-")[0])
-        yield DataSet(name=table.stem, model=model, frame=pd.read_parquet(table))
+        model = table.stem.partition("-")[0]
+        yield DataSet(name=table.stem, model=model, frame=read_table(table))
     if not found:
         raise InputError(VARIABLE, str(folder), "a folder with optiodom/ or drive/*.parquet")
 

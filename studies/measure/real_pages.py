@@ -8,6 +8,7 @@ from typing import Any
 
 import pandas as pd
 
+from realitygap.embedded_sim.errors import InputError
 from realitygap.studies.diagnosis.result import DiagnosisResult
 from realitygap.studies.measure.real import DataSet, data_folder, data_sets, measured
 from realitygap.studies.pages.drawing import canvas, save, themed
@@ -38,7 +39,7 @@ def real(
         begin: Called with the name of each data set.
 
     Raises:
-        InputError: there are no data, or `out` cannot be written.
+        InputError: there are no data, none of those asked for, or `out` cannot be written.
     """
     folder = data_folder(data)
     with whole_directory(out, force=force, holds=(ERRORS,)) as part:
@@ -50,6 +51,8 @@ def real(
             table, said = measured(one)
             (part / f"{one.name}.md").write_text(_page(one, table, said), encoding="utf-8")
             tables.append(table.assign(data=one.name, verdict=said.verdict))
+        if not tables:
+            raise InputError("--only", ", ".join(only), "beginnings of names of data sets there")
         every = pd.concat(tables, ignore_index=True)
         columns = ["data", "horizon", "model", "position", "heading", "windows", "low", "high"]
         every[columns].to_csv(part / ERRORS, index=False, float_format="%.6g")

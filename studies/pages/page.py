@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -53,6 +53,12 @@ class PageTable:
 
     columns: Sequence[str]
     rows: Sequence[Sequence[Cell]]
+
+    @property
+    def heads(self) -> Iterator[Cell]:
+        """Headings, those of numbers aligned as these are."""
+        for k, name in enumerate(self.columns):
+            yield Cell(name, "number" if any(row[k].kind == "number" for row in self.rows) else "")
 
     @classmethod
     def of(cls, frame: pd.DataFrame) -> PageTable:

@@ -112,7 +112,7 @@ class RunResult(Telling):
         """As `Telling`."""
         of = self.config
         text = f"{of.robots} robots for {of.minutes:g} min, {of.case}, {of.controller}, seed "
-        text += f"{of.seed}: {self.totals['deposits']:.0f} items brought to the nest."
+        text += f"{of.seed}: items brought to the nest: {self.totals['deposits']:.0f}."
         where = "" if self.path is None else f" ({self.path})"
         return f"Run{where}", text, ".generations .deposits .samples .log()"
 

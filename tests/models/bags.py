@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -106,8 +106,9 @@ class Made:
 Say = Callable[[Made], Iterator[Message]]
 
 
-def write_bag(path: Path, kind: str, say: Say) -> Path:
-    """A bag of messages; `path` without an ending. What was written."""
+def write_bag(path: Path, kind: str, say: Say, silent: Mapping[str, str] | None = None) -> Path:
+    """A bag of messages, and of topics with types that nobody spoke on; `path` without an ending.
+    What was written."""
     from rosbags import rosbag1, rosbag2
     from rosbags.rosbag2 import StoragePlugin
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -127,6 +128,8 @@ def write_bag(path: Path, kind: str, say: Say) -> Path:
     messages = sorted(say(Made(store, first=first)), key=lambda one: one[0])
     with writer:
         connections: dict[str, Any] = {}
+        for topic, name in (silent or {}).items():
+            writer.add_connection(topic, name, typestore=store)
         for t, topic, name, message in messages:
             if topic not in connections:
                 connections[topic] = writer.add_connection(topic, name, typestore=store)

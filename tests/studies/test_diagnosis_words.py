@@ -48,6 +48,14 @@ def test_what_is_named_is_not_said_to_be_unexplained() -> None:
     assert both.split("Beside it is named: ")[0].count("motor_saturation") == 1
 
 
+def test_what_is_decided_is_not_said_to_be_undecided() -> None:
+    found = Diagnosis(named=(named(rivals=(LAG,)), named()), reference="e-puck")
+    undecided, beside = verdict_sentence(found).split("Beside it is named: ")
+    assert undecided.count("motor_saturation") == beside.count("motor_saturation") == 1
+    assert "or motor_lag" in undecided
+    assert "motor_lag" not in beside
+
+
 def test_why_a_cause_is_not_exported_stands_in_the_headline() -> None:
     assert "seen, but worse: not exported" in verdict_sentence(Diagnosis(named=(REFUSED,)))
 

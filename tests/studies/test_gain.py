@@ -189,7 +189,20 @@ def test_a_lab_measures_on_runs_that_nothing_was_named_from(tmp_path: Path) -> N
     assert any("not known" in line for line in found.summary)
     page = (out / "report.html").read_text()
     assert "wheel_radius_mismatch" in page
+    assert "over blocks of 5 s of each robot" in page, "there is one run"
+    assert "over runs" not in page
+    assert "Grey" in page, "a healthy level is drawn"
     assert "http" not in page.replace("http-equiv", "")
+
+
+def test_one_job_on_a_labs_logs_starts_no_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So that a script needs no guard."""
+    first, later, extended = in_a_lab(tmp_path, ratio(1.0609))
+    two = gain([first, later], extended, jobs=2)
+    monkeypatch.setattr("multiprocessing.process.BaseProcess.start", None)
+    assert gain([first, later], extended, jobs=1).content["errors"] == two.content["errors"]
 
 
 def test_the_log_that_was_named_from_is_not_held_out(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import pytest
 
 import realitygap as rg
 from realitygap.studies.gap.page import OFF
+from realitygap.studies.pages.page import PageTable
 from tests.browser import CHROMIUM, WIDTHS, browser
 from tests.helpers import ROOT, page_text
 
@@ -24,6 +25,11 @@ def gaps(tmp_path_factory: pytest.TempPathFactory) -> dict[bool, Path]:
     for name in LOGS.values():
         rg.measure_gap(ROOT / "tests" / "golden" / "logs" / f"{name}.parquet", out=room / name)
     return {odd: room / name for odd, name in LOGS.items()}
+
+
+def test_the_heading_of_a_column_of_numbers_stands_above_them() -> None:
+    table = PageTable.of(pd.DataFrame({"who": ["a", "b"], "size": [float("nan"), 1.0]}))
+    assert [head.kind for head in table.heads] == ["", "number"]
 
 
 @pytest.mark.parametrize("odd", LOGS)

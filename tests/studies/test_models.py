@@ -85,6 +85,20 @@ def test_a_model_that_was_named_is_nobodys_mistake():
         assert not any("--model" in note for note in rg.read_log(far, model=model).notes)
 
 
+def test_a_model_file_that_is_not_there_is_said_to_be_none():
+    for wrong in ("mine/robot.toml", "robot.toml"):
+        with pytest.raises(rg.InputError, match=f"got {wrong}: no such file"):
+            rg.Model.load(wrong)
+    with pytest.raises(rg.InputError, match=r"got epuk, expected .*did you mean epuck"):
+        rg.Model.load("epuk")
+
+
+def test_a_log_is_told_in_words_that_agree_in_number():
+    one, two = driven_log(1, robots=1, rows=5), driven_log(1, robots=2, rows=5)
+    assert rg.read_log(one.assign(run="a")).size == "5 rows, 1 run, 1 robot, a row each 0.04 s"
+    assert rg.read_log(two.assign(run="a")).size == "10 rows, 1 run, 2 robots, a row each 0.04 s"
+
+
 def test_an_epuck_in_its_arena_needs_no_model():
     frame = pd.DataFrame(arena_log(1, robots=2, rows=400))
     assert not any("--model" in note for note in rg.read_log(frame).notes)

@@ -61,6 +61,15 @@ def test_a_folder_without_logs_is_refused(tmp_path: Path, monkeypatch: pytest.Mo
         data_folder(None)
 
 
+def test_data_sets_that_are_not_there_are_refused(tmp_path: Path) -> None:
+    pytest.importorskip("sklearn")
+    (tmp_path / "drive").mkdir()
+    driven_log(1, robots=1, rows=5).to_parquet(tmp_path / "drive" / "husky-one.parquet")
+    with pytest.raises(InputError, match="--only: got warthog, expected beginnings of names"):
+        real(tmp_path / "out", data=tmp_path, only=("warthog",))
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_real_robot_is_predicted_better_than_by_its_minimal_model(tmp_path: Path) -> None:
     folder = shared_data("optiodom").parent
     table = real(tmp_path / "out", data=folder, only=("optiodom-ivanjko-2506",))

@@ -114,6 +114,11 @@ class Bag:
                 }
             )
 
+    @property
+    def heard(self) -> list[Topic]:
+        """The topics that something was said on."""
+        return [one for one in self.topics if one.messages]
+
     def type_of(self, name: str) -> str:
         """The type of a topic; empty: there is no such topic."""
         return next((one.type for one in self.topics if one.name == name), "")

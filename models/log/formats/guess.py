@@ -41,6 +41,7 @@ LATEST = 1e10
 FEASIBLE = 3.0
 """Times the fastest a wheel turns that it is told at most: in logarithms half way to a unit ten
 times as large."""
+TICKS = '# Encoders may be named, as wheel_left = { from = "...", unit = "ticks", per_turn = ... }.'
 QUATERNION = ("qx", "qy", "qz", "qw")
 _NUMBER = re.compile(r"-?[0-9.]+(e[+-]?[0-9]+)?", re.IGNORECASE)
 Told = dict[str, str | float]
@@ -110,7 +111,9 @@ def _columns(raw: pd.DataFrame, path: Path, *, poses: bool) -> dict[str, tuple[s
         missing.append("commands")
     if missing:
         listed = ", ".join(shown(name, LONGEST_NAME) for name in raw.columns)
-        expected = "columns that say which they are, or a map that does (--map)"
+        name = "cmd_v" if missing[0] == "commands" else missing[0]
+        lines = f'a map (--map): [columns], then lines as {name} = "HEADER"'
+        expected = f"columns that say which they are, or {lines}"
         said_missing = f"no column that looks like {', '.join(missing)} among {listed}"
         raise InputError(path.name, said_missing, expected)
     return found
@@ -283,6 +286,8 @@ def _text(
         head.append("# The measured motion follows the commands in no usual units: look twice.")
     if left:
         head.append(f"# Not used: {', '.join(left)}.")
+    if any("tick" in name.lower() or "encoder" in name.lower() for name in left):
+        head.append(TICKS)
     return "\n".join([*head, "", _lines(found, given, why)])
 
 

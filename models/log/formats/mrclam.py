@@ -35,7 +35,7 @@ def read_mrclam(directory: Path) -> pd.DataFrame:
     robots = sorted(int(match[1]) for match in found if match)
     if not robots:
         raise InputError(
-            "source", directory, "a directory with RobotN_Odometry.dat and RobotN_Groundtruth.dat"
+            "SOURCE", directory, "a directory with RobotN_Odometry.dat and RobotN_Groundtruth.dat"
         )
     return pd.concat([_robot(directory, robot) for robot in robots], ignore_index=True)
 

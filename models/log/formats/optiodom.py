@@ -45,7 +45,7 @@ def read_optiodom(directory: Path, *, drive: Drive) -> pd.DataFrame:
     """
     sessions = sorted(path.parent for path in directory.glob("**/*_run-01.csv"))
     if not sessions:
-        raise InputError("source", directory, "a directory with <id>.csv and <id>_run-01.csv ...")
+        raise InputError("SOURCE", directory, "a directory with <id>.csv and <id>_run-01.csv ...")
     return pd.concat([_session(path, drive) for path in sessions], ignore_index=True)
 
 

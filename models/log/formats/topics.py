@@ -148,13 +148,13 @@ def guess_topics(bag: Bag) -> str:
     Raises:
         InputError: there are no commands or poses, or more than one that could be them.
     """
-    told = [one for one in bag.topics if one.type in KINDS["commands"]]
+    told = [one for one in bag.heard if one.type in KINDS["commands"]]
     if not told:
         raise InputError(
             str(bag.path), _listed(bag.topics), f"a topic of {TWIST} or {TWIST_STAMPED}"
         )
     robots = sorted({_space(one.name) for one in told})
-    named = [one.name for one in bag.topics if one.type in (JOINTS, *TF)]
+    named = [one.name for one in bag.heard if one.type in (JOINTS, *TF)]
     heard = hear(bag, named)
     head = [f"# Guessed from the topics of {bag.path.name}. Correct it, and give it with --map."]
     if len(robots) == 1:
@@ -169,7 +169,7 @@ def guess_topics(bag: Bag) -> str:
 
 def _robot(table: str, robot: str, bag: Bag, heard: Heard) -> list[str]:
     """The lines of one robot; `robot` is its name space, empty: it is the only one."""
-    own = [one for one in bag.topics if not robot or _last(robot) in one.name.split("/")]
+    own = [one for one in bag.heard if not robot or _last(robot) in one.name.split("/")]
     told = _only([t for t in own if t.type in KINDS["commands"]], "commands", "cmd_vel", bag)
     lines = [f"[{table}]", f"commands = {_quoted(told.name)}"]
     line, used = _poses(own, robot, bag, heard)
@@ -243,7 +243,8 @@ def _of(robot: str) -> str:
 
 
 def _listed(topics: Sequence[Topic]) -> str:
-    return "topics " + (", ".join(f"{one.name} ({one.type})" for one in topics) or "none")
+    each = (f"{one.name} ({one.type}{'' if one.messages else ', silent'})" for one in topics)
+    return "topics " + (", ".join(each) or "none")
 
 
 def _quoted(text: str) -> str:
@@ -263,7 +264,9 @@ def describe(topics: Sequence[Topic]) -> list[Mapping[str, str | int]]:
             "topic": one.name,
             "type": one.type,
             "messages": one.messages,
-            "could_be": ", ".join(key for key, types in KINDS.items() if one.type in types),
+            "could_be": ", ".join(
+                key for key, types in KINDS.items() if one.messages and one.type in types
+            ),
         }
         for one in topics
     ]

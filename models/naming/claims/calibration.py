@@ -73,11 +73,8 @@ class Paths:
         self, ahead: Ahead, robot: int, base: Motion, part: int | None, terms: Terms | None = None
     ) -> None:
         """Choose the windows; `terms` are all where not given."""
-        self.log, self.base, self.terms = (
-            ahead.log,
-            base,
-            terms_of((*MOTORS, *GEOMETRY)) if terms is None else terms,
-        )
+        self.log, self.base = ahead.log, base
+        self.terms = terms_of((*MOTORS, *GEOMETRY)) if terms is None else terms
         self.segments = np.flatnonzero(ahead.segment_robot == robot).tolist()
         self.pairs = []
         for horizon in SECONDS:

@@ -38,8 +38,8 @@ from realitygap.models.naming.channels.senses.sight import Sight, look
 
 SEEN = 20.0
 """counts that the first model must expect for an infrared reading to be judged: the wall is there.
-No rule, as all numbers here: they say where a gap is measured, not what is named. Our choice: four
-times the noise of a reading of nothing."""
+Our choice: four times the noise of a reading of nothing. No rule, as all numbers here: they say
+where a gap is measured, not what is named."""
 MOST_ROWS = 6000
 """Rows of a run whose sensors are judged: five a second of ten robots in two minutes."""
 CHANGES = (0.5, 3.0, 6.0, 10.0, 15.0, 25.0)

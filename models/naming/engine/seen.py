@@ -25,6 +25,8 @@ def least_seen(weighed: Weighed, gates: Gates, known: Mask) -> dict[str, FloatAr
     need = np.sqrt(gates.cause) + weighed.state.rules.surely
     found: dict[str, FloatArray] = {}
     place = weighed.score(SWARM).information
+    scopes = (SWARM, *range(len(weighed.state.robots)))
+    kept = {scope: {one.item.key for one in weighed.state.of(scope)} for scope in scopes}
     for k in range(len(weighed.state.robots)):
         own = weighed.score(k).information
         for item in weighed.state.items:
@@ -36,7 +38,11 @@ def least_seen(weighed: Weighed, gates: Gates, known: Mask) -> dict[str, FloatAr
                 continue
             shape = (len(weighed.state.robots), len(cause.parameters))
             size = found.setdefault(item.term.key, np.full(shape, np.nan))
-            sure = np.sqrt(np.maximum(np.diag(told)[list(item.columns)], EMPTY))
+            known_of = np.diag(told)[list(item.columns)]
+            scope = SWARM if cause.place else k
+            if item.key in kept[scope]:
+                known_of = np.diag(weighed.information_of(scope, item))
+            sure = np.sqrt(np.maximum(known_of, EMPTY))
             if item.dose is None:
                 size[k] = np.fmin(size[k], need / sure)
             elif sure[0] >= need:

@@ -8,6 +8,7 @@ import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.log.frames import Rows
+from realitygap.models.naming.engine.items import Item
 from realitygap.models.naming.engine.marginal import (
     EMPTY,
     FLAT,
@@ -33,7 +34,7 @@ class Weighed:
         self.prior = _wider(healthy, np.array([state.between.get(name, 0.0) for name in names]))
         recorded = np.array([state.unsure.get(name, 0.0) for name in names])
         self._shared: FloatArray = np.hypot(common, recorded)
-        self.alone = [self._alone(k) for k in range(len(state.robots))]
+        self.alone = [self._alone(k, self._columns(k)) for k in range(len(state.robots))]
         self.free = self._columns(SWARM)
         self.spread = self._spread(self.free)
         self.common: Shared = shared(self.alone, self.spread)
@@ -52,9 +53,17 @@ class Weighed:
 
     def with_flexible(self, scope: int) -> Scored:
         """Of every column in a scope, its causes fitted and its flexible terms not."""
+        return self._with_free(scope, self._columns(scope, flexible=False))
+
+    def information_of(self, scope: int, item: Item) -> FloatArray:
+        """(p, p) on an item beside what is kept in a scope, whether or not it is kept itself."""
+        at = list(item.columns)
+        free = np.setdiff1d(self._columns(scope), at)
+        return self._with_free(scope, free).information[np.ix_(at, at)]
+
+    def _with_free(self, scope: int, free: Rows) -> Scored:
         if scope != SWARM:
-            return beside(self._alone(scope, flexible=False), self.common)
-        free = self._columns(SWARM, flexible=False)
+            return beside(self._alone(scope, free), self.common)
         return freed(shared(self.alone, self._spread(free)).total, free)
 
     def fitted(self, k: int) -> Rows:
@@ -104,7 +113,7 @@ class Weighed:
         at = np.union1d(prior.at, np.flatnonzero(self.spread))
         return Prior(at, mean[at], root_of(own[np.ix_(at, at)]))
 
-    def _alone(self, k: int, *, flexible: bool = True) -> Scored:
+    def _alone(self, k: int, free: Rows) -> Scored:
         robot = self.state.robots[k]
         errors = robot.own_errors
         score = integrated(
@@ -113,7 +122,7 @@ class Weighed:
             float(errors @ errors),
             self.prior_of(k),
         )
-        return freed(score, self._columns(k, flexible=flexible))
+        return freed(score, free)
 
 
 def _wider(prior: Prior, between: FloatArray) -> Prior:

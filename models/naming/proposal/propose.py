@@ -34,7 +34,7 @@ def with_proposal(
         proposal = _proposal(examined, one, model, place)
         if proposal is not None and proposal.promises(found.rules.promising):
             return replace(examined, diagnosis=replace(found, proposal=proposal))
-        said.append(_no_help(one, proposal))
+        said.append(_no_help(one, proposal, place))
     missed = (*found.not_checked, *said)
     return replace(examined, diagnosis=replace(found, not_checked=missed))
 
@@ -47,11 +47,14 @@ def _proposal(
     return senses.propose(examined.senses, named, model, place, examined.diagnosis.rules)
 
 
-def _no_help(named: Named, proposal: Proposal | None) -> str:
+def _no_help(named: Named, proposal: Proposal | None, place: Ground) -> str:
     """That no manoeuvre settles it, in words."""
     rivals = " and ".join((named.term.cause.name, *alternatives(named)))
     if proposal is None:
-        return f"no manoeuvre of the menu can be predicted for {rivals}"
+        return (
+            f"no manoeuvre of the menu that could tell {rivals} apart can be driven or predicted "
+            f"within {place.radius:.2g} m, which is all the room known"
+        )
     best = proposal.best
     return (
         f"no manoeuvre of the menu separates {rivals}: the best, {best.name}, by "

@@ -242,6 +242,18 @@ def test_the_topics_of_a_bag_are_listed_with_what_they_could_be(tmp_path):
     assert table.loc["/imu", "could_be"] == "gyro"
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_topic_that_nobody_spoke_on_is_neither_guessed_nor_offered(tmp_path, kind):
+    say = together(commands(FRAME), poses(FRAME, "/pose"))
+    quiet = {"/odom": "nav_msgs/msg/Odometry", "/other": "geometry_msgs/msg/PoseStamped"}
+    path = write_bag(tmp_path / "bag", kind, say, quiet)
+    found = read_bag(path, ASKED)
+    assert 'poses = "/pose"' in found.guessed
+    assert "odom" not in found.guessed
+    check(found.table)
+    assert bag_topics(path).set_index("topic").loc["/odom", "could_be"] == ""
+
+
 def test_what_is_no_bag_is_refused(tmp_path):
     (tmp_path / "a.txt").write_text("no bag")
     assert "a ROS 2 bag's directory" in refusal(tmp_path / "a.txt")

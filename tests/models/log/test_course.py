@@ -81,3 +81,10 @@ def test_a_heading_under_another_name_is_asked_for_and_robots_that_stand_are_ref
         make_log(frame.rename(columns={"yaw": "theta"}), drive=Drive())
     with pytest.raises(InputError, match="robots that move clearly"):
         make_log(frame.drop(columns="yaw").assign(x=0.0, y=0.0), drive=Drive())
+
+
+def test_a_slow_robot_without_headings_is_not_said_to_have_no_poses() -> None:
+    frame = driven_log(3, rows=600, position_noise=2e-3).drop(columns="yaw")
+    with pytest.raises(InputError, match="rows without a heading: it stands") as refused:
+        make_log(frame, drive=Drive())
+    assert "expected a column yaw" in str(refused.value)

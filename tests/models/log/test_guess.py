@@ -83,6 +83,13 @@ def test_what_is_not_used_is_told():
     assert text.startswith("# Guessed from lab.csv.")
 
 
+def test_counts_that_are_left_out_are_told_how_to_be_named():
+    raw = FRAME.assign(ticks_left=0, ticks_right=0)
+    text = guess(raw, Path("lab.csv"), drive=DRIVE)
+    assert 'wheel_left = { from = "...", unit = "ticks", per_turn = ... }' in text
+    assert text.index("# Not used: ticks_left") < text.index("# Encoders may be named")
+
+
 def test_motion_that_follows_no_command_is_told():
     raw = FRAME.assign(cmd_left=LEFT.to_numpy()[::-1], cmd_right=RIGHT.to_numpy()[::-1])
     assert "look twice" in guess(raw, Path("lab.csv"), drive=DRIVE)
@@ -112,7 +119,13 @@ def test_millimetres_throughout_are_told_by_what_the_robot_can_do():
 
 @pytest.mark.parametrize(
     ("dropped", "said"),
-    [("t", "looks like t among"), ("x", "like x "), ("cmd_left", "commands")],
+    [
+        ("t", "looks like t among"),
+        ("x", "like x "),
+        ("x", '[columns], then lines as x = "HEADER"'),
+        ("cmd_left", "commands"),
+        ("cmd_left", 'cmd_v = "HEADER"'),
+    ],
 )
 def test_what_is_missing_is_named_with_what_is_there(dropped, said):
     with pytest.raises(InputError) as caught:

@@ -247,6 +247,7 @@ def test_two_robots_under_one_id_are_seen_at_equal_times_and_between_one_another
         ({"x": lambda v: v.astype(str) + " m"}, "numbers"),
         ({"robot": lambda v: v + 0.5}, "whole numbers"),
         ({"robot": lambda v: v + 0.5}, "robot"),
+        ({"robot": lambda v: v - 3}, "got -3, expected whole numbers from 0"),
     ],
 )
 def test_a_column_that_cannot_be_a_measurement_is_refused(changes, says):
@@ -266,6 +267,27 @@ def test_a_column_that_cannot_be_a_measurement_is_refused(changes, says):
 )
 def test_a_missing_or_misspelt_column_is_named(renamed, says):
     assert says in refusal(noisy().rename(columns=renamed))
+
+
+def test_a_column_that_stands_twice_in_a_file_is_refused(tmp_path):
+    text = noisy().to_csv(index=False).replace("yaw", "x", 1)
+    (tmp_path / "log.csv").write_text(text)
+    with pytest.raises(InputError, match="columns: got x twice"):
+        read_log(tmp_path / "log.csv", drive=DRIVE)
+
+
+def test_encoders_that_never_count_are_no_encoders():
+    still = noisy().assign(wheel_left=0.0, wheel_right=0.0)
+    assert refusal(still).startswith("wheel_left and wheel_right: got zero in every row while")
+    still[["x", "y", "yaw", "cmd_left", "cmd_right"]] = 0.0
+    make_log(still, drive=DRIVE)
+
+
+@pytest.mark.parametrize("suffix", [".tsv", ".txt"])
+def test_tabs_make_a_table_too(tmp_path, suffix):
+    noisy().to_csv(tmp_path / f"log{suffix}", sep="\t", index=False)
+    back = read_log(tmp_path / f"log{suffix}", drive=DRIVE)
+    assert np.allclose(back.poses, make_log(noisy(), drive=DRIVE).poses)
 
 
 def test_a_column_no_one_knows_is_left_unread_and_said_so():

@@ -235,7 +235,8 @@ def test_a_map_reads_what_a_spreadsheet_writes(tmp_path, separator, decimal):
         ('x = { from = "l", unit = "iso" }', "x.unit"),
         ('[[files]]\nfile = "a.csv"\ncolumns = { x = "x" }', "no t"),
         ('[[files]]\nfile = "a.csv"\ncolumns = { xx = "x", t = "t" }', "files.0.columns.xx"),
-        ('[[files]]\nfil = "a.csv"', "fil"),
+        ('[[files]]\nfil = "a.csv"', "files.0.fil: got an unknown key, expected one of file"),
+        ("x = 3", "columns.x: got 3, expected"),
     ],
 )
 def test_a_wrong_map_is_refused_in_one_line(tmp_path, line, says):

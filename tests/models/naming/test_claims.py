@@ -292,6 +292,13 @@ def test_a_fault_of_the_size_that_a_log_would_have_shown_is_shown() -> None:
     assert {robot for _, robots in names(found) for robot in robots} == {0, 1, 2}
 
 
+def test_what_is_named_is_said_to_have_been_seen() -> None:
+    """As in a log of the same robots without it."""
+    ill = {one.cause: one.size for one in diagnosed(table(7, {1: MISMATCH})).detectable}
+    [sound] = [one.size for one in healthy().detectable if one.cause == "wheel_radius_mismatch"]
+    assert ill["wheel_radius_mismatch"] == pytest.approx(sound, rel=0.1)
+
+
 def test_more_of_a_log_shows_smaller_faults() -> None:
     half = diagnosed(table(7, {}, rows=750))
     short, long = ({one.cause: one.size for one in d.detectable} for d in (half, healthy()))

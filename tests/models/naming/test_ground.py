@@ -19,6 +19,8 @@ from realitygap.models.naming.proposal.ground import (
     resampled,
 )
 from realitygap.models.naming.proposal.menu import SECONDS, flight, flights
+from realitygap.models.naming.proposal.propose import _no_help
+from tests.models.naming.test_diagnosis import LAG, named
 from tests.models.small import driven_log
 
 ARENA = Ground(x=0.0, y=0.0, radius=0.6, walled=True, body_radius=0.035, fastest=6.28)
@@ -139,3 +141,11 @@ def test_a_formation_is_spread_as_far_as_there_is_room(robots: int) -> None:
         )
         assert after >= before - 1e-12
         assert robots > 7 or after > 0.25
+
+
+def test_where_nothing_finds_room_it_is_said_how_much_there_is() -> None:
+    place = Ground(x=0.0, y=0.0, radius=0.467, walled=False, body_radius=0.105, fastest=6.7)
+    assert flights(1, of_size(3.0), place) == []
+    said = _no_help(named(rivals=(LAG,)), None, place)
+    assert "tell motor_saturation and motor_lag apart" in said
+    assert "within 0.47 m" in said

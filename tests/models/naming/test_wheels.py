@@ -122,3 +122,21 @@ def test_each_half_of_the_log_gives_its_own_values() -> None:
     halves = [part[one.key][0].value for part in told.by_part]
     assert halves[0] != halves[1]
     assert halves == pytest.approx([0.5, 0.5], rel=0.05)
+
+
+def test_a_log_with_encoders_is_not_said_to_have_none() -> None:
+    told = said(Drive(latency=0.25, time_constant=0.5), 0.8)
+    assert not [one for one in told.not_checked if "encoders" in one]
+    shown = {one.cause: one.size for one in told.detectable}
+    assert not {name for name in shown if before_the_encoders(causes()[name])}
+    assert 0.0 < (shown["wheel_radius_scale"] or 0.0) < 0.2
+    assert told.untold == {}
+
+
+def test_a_robot_that_stands_and_one_of_a_single_row_disturb_nobody() -> None:
+    frame = table(Drive(time_constant=0.5), rows=1200)
+    still = frame.assign(robot=1, x=1.0, y=1.0, yaw=0.0)
+    still[["cmd_left", "cmd_right", "wheel_left", "wheel_right"]] = 0.0
+    every = pd.concat([frame, still, frame.iloc[:1].assign(robot=2)])
+    found = diagnose(make_log(every, drive=Drive()), MODEL, None).diagnosis
+    assert [(one.term.cause.name, one.robots) for one in found.named] == [("motor_lag", (0,))]

@@ -72,8 +72,9 @@ def diagnose(
         no_reference(model.name, model.motion().drive, rules) if reference is None else reference
     )
     alike = healthy.recorded_like(log.recorder, log.step)
-    if reference is None and _counted(tracks):
-        found, tracks = _in_two(tracks, healthy, believed)
+    logged, in_two = tracks, reference is None and _counted(tracks)
+    if in_two:
+        found, tracks = _in_two(logged, healthy, believed)
     else:
         found = identify(tracks, healthy, believed, alike=alike)
     examined = Examination(
@@ -85,7 +86,7 @@ def diagnose(
             named=found.named,
             unexplained=leftover(tracks, found),
             not_checked=(
-                *_not_checked(tracks, reference),
+                *_not_checked(logged, reference),
                 *unmeasured(tracks, found.base, healthy, found.away),
             ),
             preflight=preflight(
@@ -103,8 +104,10 @@ def diagnose(
             reference="" if reference is None else reference.model,
         ),
     )
-    whole = with_laws(claimed(examined, log, table, seed=seed), log, table)
-    return with_calibration(whole, log, table)
+    whole = claimed(examined, log, table, seed=seed)
+    if in_two:
+        whole = replace(whole, diagnosis=_behind_the_encoders(whole.diagnosis))
+    return with_calibration(with_laws(whole, log, table), log, table)
 
 
 def _counted(tracks: Tracks) -> bool:
@@ -128,6 +131,17 @@ def _in_two(
     with without(c.name for c in causes().values() if before_the_encoders(c)):
         found = identify(driven, healthy, free)
     return replace(found, named=(*motors.named, *found.named), by_part=motors.by_part), driven
+
+
+def _behind_the_encoders(said: Diagnosis) -> Diagnosis:
+    """Without sizes that poses would have shown of causes that the encoders tell."""
+    told = {c.name for c in causes().values() if before_the_encoders(c)}
+    untold = {r: tuple(n for n in names if n not in told) for r, names in said.untold.items()}
+    return replace(
+        said,
+        detectable=tuple(one for one in said.detectable if one.cause not in told),
+        untold={robot: names for robot, names in untold.items() if names},
+    )
 
 
 def _not_checked(tracks: Tracks, reference: Reference | None) -> tuple[str, ...]:

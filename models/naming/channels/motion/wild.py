@@ -55,7 +55,7 @@ def wild(problem: Problem) -> Wild | None:
         error = np.sqrt(
             there * (1.0 - there) / len(blocks[0]) + elsewhere * (1.0 - elsewhere) / len(blocks[1])
         )
-        share = float(squared[out & inside].sum() / squared.sum())
+        share = float(squared[out & inside].sum() / (squared.sum() or 1.0))  # 0: it stood still
         found.append(Wild(name, there, elsewhere, float(error), share))
     clear = [one for one in found if one.more > max(rules.wild_more, rules.errors * one.error)]
     return max(clear, key=lambda one: one.more, default=None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,10 +41,8 @@ class EncodedWheels:
         self.tracks, self.base, self.rules = tracks, base, tracks.rules
         off, self._rows = wheel_errors(tracks, [base])
         label = nth(tracks.t - tracks.t.min(), BLOCK_SECONDS)[self._rows]
-        run = tracks.row_segment[self._rows]
-        self.block = np.unique(np.column_stack([run, label]), axis=0, return_inverse=True)[
-            1
-        ].ravel()
+        of_run = np.column_stack([tracks.row_segment[self._rows], label])
+        self.block = np.unique(of_run, axis=0, return_inverse=True)[1].ravel()
         self.part = tracks.part[self._rows]
         self.judged = np.ones(len(off), dtype=bool)
         self._least = coarse(tracks.step)
@@ -53,8 +52,8 @@ class EncodedWheels:
         """The same judged in one part of the log alone; None: there is nothing of it."""
         if not (self.part == part).any():
             return None
-        one = object.__new__(EncodedWheels)
-        one.__dict__ = dict(self.__dict__, judged=self.part == part)
+        one = copy(self)
+        one.judged = self.part == part
         return one
 
     def motion(self, terms: Terms, at: Coordinates) -> Motion:
