@@ -134,6 +134,7 @@ class _Robot:
         self,
         cut: Cut,
         made: Columns,
+        linear: FloatArray,
         size: FloatArray,
         unit: FloatArray,
         free: int,
@@ -142,10 +143,12 @@ class _Robot:
     ) -> None:
         self.windows, self.free, self.ridge = Windows(cut, made.errors.shape[1]), free, ridge
         self.restricted = restricted
-        rows, self.many = made.errors.size, len(made.linear)
-        x = made.values[:, :, made.linear].reshape(rows, self.many) / unit
-        z = made.windows.reshape(rows, len(size)) / size
-        self.rows = np.hstack([x, made.errors.reshape(rows, 1), z])
+        rows, self.many = made.errors.size, len(unit)
+        self.rows = np.empty((rows, self.many + 1 + len(size)))
+        x, y, z = np.split(self.rows, [self.many, self.many + 1], axis=1)
+        np.divide(linear.reshape(rows, -1), unit, out=x)
+        y[:] = made.errors.reshape(rows, 1)
+        np.divide(made.windows.reshape(rows, -1), size, out=z)
         self.weight = np.ones_like(made.errors)
         self.left = made.errors
         self.window = np.ones(len(cut.first))
@@ -212,7 +215,8 @@ def learn(
     unit = np.sqrt(sum((one**2).sum(axis=(0, 1)) for one in linear) / rows)
     unit = np.where(unit > 0.0, unit, 1.0)
     robots = [
-        _Robot(t, m, size, unit, free, ridge, restricted) for t, m in zip(cuts, made, strict=True)
+        _Robot(t, m, x, size, unit, free, ridge, restricted)
+        for t, m, x in zip(cuts, made, linear, strict=True)
     ]
     spread = np.full(len(size), BEGIN)
     spread[:free] = np.sqrt(WIDE)

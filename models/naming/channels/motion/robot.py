@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -101,9 +102,8 @@ class Robot:
 def robots_of(tracks: Tracks, motions: Sequence[Motion], *, doses: bool = True) -> list[Robot]:
     """Every robot of a log, with noise learned of all together; `doses` as of `columns`."""
     each = [tracks.only([k]) for k in range(len(tracks.robots))]
-    made = [
-        columns(one, [m], tracks.commands, doses=doses)
-        for one, m in zip(each, motions, strict=True)
-    ]
+    whole = columns(tracks, motions, tracks.commands, doses=doses)
+    edge = np.searchsorted(tracks.robot[tracks.window], np.arange(len(each) + 1)).tolist()
+    made = [whole.of(slice(begin, end)) for begin, end in pairwise(edge)]
     noise = learn(each, made, tracks.rules)
     return [Robot(*one) for one in zip(each, motions, made, noise, strict=True)]
