@@ -134,7 +134,6 @@ class _Robot:
         self,
         cut: Cut,
         made: Columns,
-        linear: FloatArray,
         size: FloatArray,
         unit: FloatArray,
         free: int,
@@ -143,10 +142,10 @@ class _Robot:
     ) -> None:
         self.windows, self.free, self.ridge = Windows(cut, made.errors.shape[1]), free, ridge
         self.restricted = restricted
-        rows, self.many = made.errors.size, len(unit)
+        rows, self.many = made.errors.size, len(made.linear)
         self.rows = np.empty((rows, self.many + 1 + len(size)))
         x, y, z = np.split(self.rows, [self.many, self.many + 1], axis=1)
-        np.divide(linear.reshape(rows, -1), unit, out=x)
+        np.divide(made.values[:, :, made.linear].reshape(rows, -1), unit, out=x)
         y[:] = made.errors.reshape(rows, 1)
         np.divide(made.windows.reshape(rows, -1), size, out=z)
         self.weight = np.ones_like(made.errors)
@@ -211,12 +210,10 @@ def learn(
     least = rules.least_scale if least is None else least
     rows = sum(one.errors.size for one in made)
     size = np.sqrt(sum((one.windows**2).sum(axis=(0, 1)) for one in made) / rows) + 1e-12
-    linear = [one.values[:, :, one.linear] for one in made]
-    unit = np.sqrt(sum((one**2).sum(axis=(0, 1)) for one in linear) / rows)
+    unit = np.sqrt(sum((m.values[:, :, m.linear] ** 2).sum(axis=(0, 1)) for m in made) / rows)
     unit = np.where(unit > 0.0, unit, 1.0)
     robots = [
-        _Robot(t, m, x, size, unit, free, ridge, restricted)
-        for t, m, x in zip(cuts, made, linear, strict=True)
+        _Robot(t, m, size, unit, free, ridge, restricted) for t, m in zip(cuts, made, strict=True)
     ]
     spread = np.full(len(size), BEGIN)
     spread[:free] = np.sqrt(WIDE)
