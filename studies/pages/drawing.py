@@ -10,6 +10,7 @@ import matplotlib as mpl
 import matplotlib.style
 import numpy as np
 import pandas as pd
+from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -25,7 +26,7 @@ LOOK = {
     **dict.fromkeys(("legend.fontsize", "xtick.labelsize", "ytick.labelsize"), SMALL),
     **{"axes.linewidth": 1.25, "grid.linewidth": 1.0, "legend.frameon": True},
     **{"patch.edgecolor": "w", "patch.force_edgecolor": True, "patch.facecolor": "C0"},
-    "axes.prop_cycle": mpl.cycler(color=COLOURS),
+    "axes.prop_cycle": cycler(color=COLOURS),
 }
 """seaborn's, which takes half a second to import; only pages that draw with it wait for it."""
 
