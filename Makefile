@@ -28,10 +28,10 @@ demo: $(STAMP) ## the whole story in a few minutes; the page is out/demo/report.
 	$(BIN)/realitygap demo --out out/demo --force
 
 test: $(STAMP) ## the tests, in parallel, without the slow and the blind ones
-	$(BIN)/python -m pytest -n auto tests
+	$(BIN)/python -m pytest -n auto --dist worksteal tests
 
 slow: $(STAMP) ## the long batteries that `make test` leaves out
-	$(BIN)/python -m pytest -n auto -m slow tests
+	$(BIN)/python -m pytest -n auto --dist worksteal -m slow tests
 
 lint: $(STAMP) ## style, types, import rules, C formatting
 	$(BIN)/ruff check .

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import html
+import logging
 import os
 import re
 import select
+import signal
 import subprocess
 import sys
 import time
+import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryFile
+from typing import NoReturn
+
+import realitygap as door
 
 ROOT = Path(__file__).parents[1]
 COMMAND = [sys.executable, "-c", "from realitygap.studies.cli import main; main()"]
@@ -68,13 +76,52 @@ def wait_until_gone(pid: int) -> None:
 
 
 def realitygap(*words: object, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    """Run a command to its end."""
-    return subprocess.run(
-        [*COMMAND, *map(str, words)],
-        cwd=cwd,
-        env=ENVIRONMENT,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
+    """Run a command to its end in a process of its own: a fork, which has its libraries already.
+
+    A warning ends it, as it ends a test. Tests of how a process starts run `COMMAND`.
+    """
+    given = [*map(str, words)]
+    for name in door.__all__:
+        getattr(door, name)  # imports it, the first time
+    with TemporaryFile() as out, TemporaryFile() as err:
+        pid = os.fork()
+        if pid == 0:
+            _become(given, cwd, out.fileno(), err.fileno())
+        try:
+            wait_until_gone(pid)
+        finally:
+            with suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+            code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+        told = []
+        for stream in (out, err):
+            stream.seek(0)
+            told.append(stream.read().decode("utf-8").replace("\r\n", "\n"))
+    return subprocess.CompletedProcess(given, code, *told)
+
+
+def _become(words: list[str], cwd: Path, out: int, err: int) -> NoReturn:
+    """What `COMMAND` is in a process that has just been forked from the tests."""
+    code: object = 1
+    try:
+        for target, (stream, name) in enumerate([(out, "stdout"), (err, "stderr")], start=1):
+            os.dup2(stream, target)
+            text = open(target, "w", encoding="utf-8", closefd=False)  # noqa: SIM115, until the end
+            setattr(sys, name, text)
+            setattr(sys, f"__{name}__", text)
+        os.chdir(cwd)
+        os.environ.clear()
+        os.environ.update(ENVIRONMENT)
+        logging.root.handlers.clear()
+        sys.argv = [COMMAND[1], *words]
+        from realitygap.studies.cli import main
+
+        main()
+    except SystemExit as ended:
+        code = ended.code or 0
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code if isinstance(code, int) else 1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Protocol
 
 from realitygap.embedded_sim import PointModel
@@ -16,6 +17,8 @@ from realitygap.models.log.schema import LS, PS
 SENSORS_OR_ALL = ("all", *(str(k) for k in range(len(PS))))
 """Words of a cause that concerns one sensor or all eight."""
 ONE_SENSOR = SENSORS_OR_ALL[1:]
+KEPT = 256
+"""Point models of 0.1 MB that are kept: a diagnosis asks each robot for the same hundred."""
 
 
 class Memory(Protocol):
@@ -51,9 +54,17 @@ class Belief:
 
     def of(self, model: PointModel) -> PointModel:
         """The point model as believed of this robot."""
-        x, y, radius = model.nest
-        nest = (x + self.nest_shift[0], y + self.nest_shift[1], radius * self.nest_scale)
-        return replace(model, senses=self.senses, nest=nest)
+        return _with(model, self.senses, self.nest_shift, self.nest_scale)
+
+
+@lru_cache(maxsize=KEPT)
+def _with(
+    model: PointModel, senses: Senses, shift: tuple[float, float], scale: float
+) -> PointModel:
+    """A point model with other senses and another nest: one, however many robots it is asked for,
+    for what C has of it is made only once."""
+    x, y, radius = model.nest
+    return replace(model, senses=senses, nest=(x + shift[0], y + shift[1], radius * scale))
 
 
 Sensing = Callable[[Belief, FloatArray, str], Belief]

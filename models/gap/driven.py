@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from scipy.signal import lfilter
 
 from realitygap.embedded_sim import Drive, replay
 from realitygap.embedded_sim.model import FloatArray
@@ -93,6 +92,8 @@ def recorded(t: FloatArray, path: FloatArray, cut: Rows, motion: Motion) -> Floa
             for _ in range(rounds):
                 own[1:-1] += share / rounds * (own[2:] - 2.0 * own[1:-1] + own[:-2])
         if motion.pose_lag:
+            from scipy.signal import lfilter  # half a second, and few trackers lag
+
             step = (at[-1] - at[0]) / (len(at) - 1)
             kept = float(np.exp(-step / motion.pose_lag))
             own[:] = own[0] + lfilter([1.0 - kept], [1.0, -kept], own - own[0], axis=0)

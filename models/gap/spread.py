@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
+from scipy.special import stdtr
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.gap.shares import INNER
@@ -58,7 +58,7 @@ def excess(
     logs = np.log(without)
     variance = (groups - 1) / groups * float(((logs - logs.mean()) ** 2).sum())
     t = np.log(whole) / np.sqrt(variance + NOISE_ERROR**2)
-    return Excess(whole, float(min(1.0, family * stats.t.sf(t, groups - 1))))
+    return Excess(whole, float(min(1.0, family * stdtr(groups - 1, -t))))
 
 
 def _spread(values: FloatArray) -> float:

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import seaborn as sns
 from matplotlib.ticker import LogLocator, StrMethodFormatter
 
 from realitygap.embedded_sim.model import FloatArray
@@ -16,11 +15,15 @@ from realitygap.models.belief.senses import SenseCause
 from realitygap.models.naming.channels.motion.examination import KINDS, Examination
 from realitygap.models.naming.channels.motion.fit import Problem
 from realitygap.models.naming.findings import Named
-from realitygap.studies.pages.drawing import HALF, canvas, save
+from realitygap.studies.pages.drawing import HALF, canvas, heat, save
 
 PROFILE_POINTS = 21
 MOST_RIVALS = 8
 """Bars of a chart; our choice."""
+FAR = 10.0
+"""Standard deviations from health from which on nothing is drawn darker; our choice."""
+STYLES = ("o-", "X--", "s:")
+"""Of lines, by kind of prediction."""
 OWN, OTHER = "#1f77b4", "#b9c4cf"
 """Colours of the named cause's bar and of its rivals'."""
 
@@ -31,15 +34,16 @@ def draw_errors(table: pd.DataFrame, concerned: set[int], path: Path) -> None:
     axes = figure.subplots()
     table = table.assign(error=1e3 * table["error"])
     mine = table[table["robot"].isin(concerned)] if concerned else table
-    options = {"hue": "kind", "hue_order": [k for k in KINDS if (table["kind"] == k).any()]}
-    drawn = {"style": "kind", "markers": True, "errorbar": None, "ax": axes}
-    sns.lineplot(mine, x="seconds", y="error", **drawn, **options)
+    for kind, style in zip(KINDS, STYLES, strict=True):
+        mean = mine[mine["kind"] == kind].groupby("seconds")["error"].mean()
+        if (table["kind"] == kind).any():
+            axes.plot(mean.index, mean, style, markeredgecolor="w", label=kind)
     axes.set(xscale="log", yscale="log", xlabel="ahead (s)", ylabel="mean position error (mm)")
     axes.set_xticks(ticks := sorted(table["seconds"].unique()), [f"{t:g}" for t in ticks])
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.minorticks_off()
-    axes.legend(title=None, fontsize=8)
+    axes.legend(fontsize=8)
     save(figure, path)
 
 
@@ -118,7 +122,7 @@ def draw_left(examined: Examination, path: Path) -> None:
     grid = table.pivot_table(index="quantity", columns="robot", values="z", aggfunc="max")
     figure = canvas(10, 5.0)
     axis = figure.subplots()
-    sns.heatmap(grid, vmin=0.0, vmax=10.0, cmap="rocket_r", ax=axis, linewidths=0.5)
+    heat(axis, grid, FAR)
     axis.set(ylabel="", xlabel="robot")
     axis.set_title("standard deviations from health of what follows each quantity", fontsize=10)
     save(figure, path)

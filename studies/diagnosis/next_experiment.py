@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-import seaborn as sns
 
 from realitygap.embedded_sim.probes import PREFIX
 from realitygap.models.belief.modelfile import ModelFile
@@ -106,7 +105,9 @@ def _draw(proposal: Proposal, path: Path, least: float) -> None:
     axis = figure.subplots()
     names = [option.name for option in proposal.options]
     values = [max(option.separation, 1e-2) for option in proposal.options]
-    sns.barplot(x=values, y=names, ax=axis, color="#4878a8")
+    axis.barh(names, values, color="#4878a8")
+    axis.invert_yaxis()
+    axis.grid(visible=False, axis="y")
     axis.axvline(least, color="#222222", linewidth=1)
     axis.set(xscale="log", xlabel="separation (standard deviations)", ylabel="")
     save(figure, path)

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import seaborn as sns
 
 from realitygap.models.naming.channels.senses.diagnose import SenseExamination
 from realitygap.models.naming.channels.senses.readings import CHANGES, KINDS
-from realitygap.studies.pages.drawing import canvas, save
+from realitygap.studies.diagnosis.figures import FAR
+from realitygap.studies.pages.drawing import canvas, heat, save
 
 
 def far_from_health(senses: SenseExamination) -> pd.DataFrame:
@@ -32,6 +32,6 @@ def draw_left(table: pd.DataFrame, path: Path) -> None:
     for axis, channel in zip(np.atleast_1d(figure.subplots(1, len(shown))), shown, strict=True):
         mine = table[table["channel"] == channel]
         grid = mine.pivot_table(index="quantity", columns="robot", values="z", aggfunc="max")
-        sns.heatmap(grid, vmin=0.0, vmax=10.0, cmap="rocket_r", ax=axis, linewidths=0.5)
+        heat(axis, grid, FAR)
         axis.set(ylabel="", xlabel="robot", title=channel)
     save(figure, path)

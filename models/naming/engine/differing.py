@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import binom, chi2
+from scipy.special import bdtrc, chdtrc, chdtri
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.naming.engine.marginal import EMPTY
@@ -38,13 +38,13 @@ def differing(state: State) -> State:
         weighed = Weighed(state)
         gain, size = _gains(weighed)
         level = np.sort(gain, axis=0)[robots - most]
-        chance = binom.sf(most - 1, robots, chi2.sf(level, 1))
+        chance = bdtrc(most - 1, robots, chdtrc(1, level))
         eligible = np.isin(np.arange(len(names)), weighed.prior.at)
         chance = np.where(eligible & (level > 0.0), chance, 1.0)
         worst = int(np.argmin(chance))
         if chance[worst] * eligible.sum() >= state.rules.chance:  # one of so many that were tried
             break
-        usual = chi2.isf((most - 0.5) / robots, 1)  # what of sound robots exceeds as often
+        usual = chdtri(1, (most - 0.5) / robots)  # what of sound robots exceeds as often
         extra = (level[worst] / usual - 1.0) / float(np.median(size[:, worst]))
         before = state.between.get(names[worst], 0.0)
         state = replace(

@@ -66,8 +66,7 @@ class Panel:
             beside: (rows, q) white columns that are free.
         """
         self.robot, self._beside = robot, list(beside)
-        size = len(robot.own_errors) // len(robot.block)
-        fold = np.repeat(robot.block % FOLDS, size)
+        fold = np.repeat((robot.block % FOLDS)[robot.tracks.window], 3)
         self._order = np.argsort(fold, kind="stable")
         self._edge = np.searchsorted(fold[self._order], np.arange(FOLDS + 1))
         free = np.concatenate([np.zeros((len(fold), 0)), *beside], axis=1)

@@ -9,7 +9,7 @@ measured quantity. A cause without a small dose, such as a limit, has columns at
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -61,6 +61,11 @@ class Columns:
     def linear(self) -> Rows:
         """Indices of the columns that are per unit of a coordinate."""
         return np.flatnonzero(["@" not in name for name in self.names])
+
+    def of(self, rows: slice) -> Columns:
+        """Of some rows."""
+        errors, values, windows = self.errors[rows], self.values[rows], self.windows[rows]
+        return replace(self, errors=errors, values=values, windows=windows)
 
 
 def columns(

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.naming.channels.motion.parts import PARTS, parts
@@ -33,18 +33,14 @@ def uneven(
         term: One of them.
     """
     rules = fitter.state.rules
-    gate = float(chi2.isf(rules.chance / len(PARTS), 1))
+    gate = float(chdtri(1, rules.chance / len(PARTS)))
     own, _ = fitter.changes(terms, coordinates, term)
-    inside = parts(fitter.state.tracks.only(fitter.members))
+    tracks = fitter.state.tracks.only(fitter.members)
+    inside = parts(tracks)
     names = list(inside)
-    columns, begin, first = [], 0, 0
-    for k in fitter.members:
-        robot = fitter.state.robots[k]
-        windows, rows = len(robot.block), len(robot.own_errors)
-        there = np.array([inside[name][first : first + windows] for name in names])
-        each = np.repeat(there, rows // windows, axis=1).T
-        columns.append(each * own[begin : begin + rows, None])
-        begin, first = begin + rows, first + windows
+    there = np.array([inside[name] for name in names])[:, np.repeat(tracks.window, 3)]
+    rows = [len(fitter.state.robots[k].own_errors) for k in fitter.members]
+    columns = np.split((there * own).T, np.cumsum(rows)[:-1])
     score = fitter.beside(terms, coordinates, columns)
     size = np.diag(score.information)
     alone = np.sum([np.sum(one**2, axis=0) for one in columns], axis=0)

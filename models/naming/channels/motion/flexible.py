@@ -63,6 +63,7 @@ class Steps:
 
     def __init__(self, tracks: Tracks, predicted: FloatArray) -> None:
         self._first, self._window = tracks.first, tracks.window
+        self._robots = np.flatnonzero(np.diff(tracks.robot[self._window])) + 1
         move = np.diff(predicted, axis=0, prepend=predicted[:1])
         move[tracks.first] = 0.0
         middle = predicted[:, 2] - 0.5 * move[:, 2]
@@ -106,7 +107,8 @@ class Steps:
 
     def _sum(self, values: FloatArray) -> FloatArray:
         """Sums from each window's first row."""
-        total = np.cumsum(values, axis=0)
+        each = np.split(values, self._robots)  # a robot's sums do not depend on the others
+        total = np.concatenate([np.cumsum(one, axis=0) for one in each])
         return np.asarray(total - (total - values)[self._first][self._window])
 
 
@@ -123,7 +125,8 @@ def quantities(tracks: Tracks, motions: Sequence[Motion]) -> dict[tuple[str, str
     speed, turn = about["speed"], about["turn"]
     changed = np.append(-1, np.flatnonzero(about["change"] > 0.0))
     last = changed[np.searchsorted(changed, np.arange(len(tracks.t)), side="right") - 1]
-    since = np.where(last >= 0, tracks.t - tracks.t[last], np.inf)
+    began = np.searchsorted(tracks.row_robot, tracks.row_robot)
+    since = np.where(last >= began, tracks.t - tracks.t[last], np.inf)
     values = {
         ("heading", " sin"): np.sin(heading),
         ("heading", " cos"): np.cos(heading),

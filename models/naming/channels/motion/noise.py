@@ -34,6 +34,8 @@ WIDE = 1e8
 
 LEAST_OWN = 0.1
 """Of a row's variance, least that is taken not to have been fitted away."""
+NARROW = 4
+"""Columns up to which all windows are summed at once, faster than one after the other."""
 
 
 class Cut(Protocol):
@@ -62,48 +64,58 @@ class Noise:
     """(n, axes) squares of what the rows' errors are beside every column and effect."""
 
 
-class Padded:
-    """Rows of windows side by side: (windows, longest * axes, ...)."""
+class Windows:
+    """Rows of windows, their axes side by side: (n * axes, ...)."""
 
-    def __init__(self, cut: Cut) -> None:
-        self._window = cut.window
-        length = np.diff(np.append(cut.first, len(self._window)))
-        self._longest = int(length.max(initial=1))
-        self._at = np.arange(len(self._window)) - cut.first[self._window]
-        self._windows = len(cut.first)
+    def __init__(self, cut: Cut, axes: int) -> None:
+        self._of = np.repeat(cut.window, axes)
+        self._first = np.asarray(cut.first) * axes
+        ends = [*self._first[1:].tolist(), len(self._of)]
+        self._each = [slice(a, b) for a, b in zip(self._first.tolist(), ends, strict=True)]
 
-    def __call__(self, rows: FloatArray) -> FloatArray:
-        """Of (n, axes, ...) rows; 0 beyond a window's end."""
-        wide = np.zeros((self._windows, self._longest, *rows.shape[1:]))
-        wide[self._window, self._at] = rows
-        return wide.reshape(self._windows, self._longest * rows.shape[1], *rows.shape[2:])
+    def products(self, rows: FloatArray, others: FloatArray) -> FloatArray:
+        """(windows, p, k) of (rows, p) and (rows, k), each window's by itself."""
+        if others.shape[1] <= NARROW:
+            return np.add.reduceat(rows[:, :, None] * others[:, None, :], self._first, axis=0)
+        found = np.empty((len(self._each), rows.shape[1], others.shape[1]))
+        for k, own in enumerate(self._each):
+            np.matmul(rows[own].T, others[own], out=found[k])
+        return found
 
-    def back(self, wide: FloatArray) -> FloatArray:
-        """(n, axes) rows of padded ones."""
-        shaped = wide.reshape(self._windows, self._longest, -1)
-        return np.asarray(shaped[self._window, self._at])
+    def applied(self, rows: FloatArray, each: FloatArray) -> FloatArray:
+        """(rows, k) of (rows, p) with what every window has, (windows, p, k)."""
+        if each.shape[2] <= NARROW:
+            return np.asarray((rows[:, :, None] * each[self._of]).sum(axis=1))
+        found = np.empty((len(rows), each.shape[2]))
+        for own, one in zip(self._each, each, strict=True):
+            np.matmul(rows[own], one, out=found[own])
+        return found
+
+    def spread(self, each: FloatArray) -> FloatArray:
+        """(rows, ...) of what every window has."""
+        return each[self._of]
 
 
 class Whitener:
     """Turns rows into independent ones of unit variance, window by window."""
 
     def __init__(self, cut: Cut, windows: FloatArray, noise: Noise, *, free: int = FREE) -> None:
-        self._padded = Padded(cut)
-        self._root = np.sqrt(self._padded(noise.weight))
-        z = self._padded(windows) * noise.spread * self._root[:, :, None]
-        z[:, :, free:] /= np.sqrt(noise.window)[:, None, None]
-        size, turn = np.linalg.eigh(np.swapaxes(z, 1, 2) @ z)
+        self._windows = Windows(cut, windows.shape[1])
+        self._root = np.sqrt(noise.weight).reshape(-1, 1)
+        z = windows.reshape(len(self._root), -1) * noise.spread * self._root
+        z[:, free:] /= self._windows.spread(np.sqrt(noise.window))[:, None]
+        size, turn = np.linalg.eigh(self._windows.products(z, z))
         size = np.maximum(size, 0.0)
         some = size > 1e-8
         shrink = np.where(some, (1.0 - 1.0 / np.sqrt(1.0 + size)) / np.where(some, size, 1.0), 0.5)
-        self._seen = z @ turn
-        self._shrunk = self._seen * shrink[:, None, :]
+        self._seen = self._windows.applied(z, turn)
+        self._shrunk = self._seen * self._windows.spread(shrink)
 
     def __call__(self, rows: FloatArray) -> FloatArray:
-        """(rows, k) white ones of (n, axes, k)."""
-        wide = self._padded(rows) * self._root[:, :, None]
-        white = wide - self._shrunk @ (np.swapaxes(self._seen, 1, 2) @ wide)
-        return np.asarray(white.reshape(wide.shape[0] * wide.shape[1], rows.shape[2]))
+        """(n * axes, k) white ones of (n, axes, k)."""
+        white = rows.reshape(len(self._root), -1) * self._root
+        white -= self._windows.applied(self._shrunk, self._windows.products(self._seen, white))
+        return np.asarray(white)
 
 
 class _Expected(NamedTuple):
@@ -116,7 +128,7 @@ class _Expected(NamedTuple):
 
 
 class _Robot:
-    """One robot's windows, padded once."""
+    """One robot's rows, their axes side by side: what is fitted, the errors, the window effects."""
 
     def __init__(
         self,
@@ -128,43 +140,48 @@ class _Robot:
         ridge: float,
         restricted: bool,
     ) -> None:
-        self.padded, self.free, self.ridge = Padded(cut), free, ridge
+        self.windows, self.free, self.ridge = Windows(cut, made.errors.shape[1]), free, ridge
         self.restricted = restricted
-        self.y = self.padded(made.errors)
-        self.x = self.padded(made.values[:, :, made.linear] / unit)
-        self.z = self.padded(made.windows / size)
+        rows, self.many = made.errors.size, len(made.linear)
+        self.rows = np.empty((rows, self.many + 1 + len(size)))
+        x, y, z = np.split(self.rows, [self.many, self.many + 1], axis=1)
+        np.divide(made.values[:, :, made.linear].reshape(rows, -1), unit, out=x)
+        y[:] = made.errors.reshape(rows, 1)
+        np.divide(made.windows.reshape(rows, -1), size, out=z)
         self.weight = np.ones_like(made.errors)
         self.left = made.errors
         self.window = np.ones(len(cut.first))
 
     def expected(self, spread: FloatArray) -> _Expected:
-        root = np.sqrt(self.padded(self.weight))
-        prior = np.broadcast_to(spread, (len(self.window), len(spread))).copy()
+        k, q, windows = self.many, len(spread), self.windows
+        x, y, z = np.split(self.rows, [k, k + 1], axis=1)
+        prior = np.broadcast_to(spread, (len(self.window), q)).copy()
         prior[:, self.free :] /= np.sqrt(self.window)[:, None]
-        z = self.z * root[:, :, None] * prior[:, None, :]
-        turned = np.swapaxes(z, 1, 2)
-        inner = np.linalg.inv(np.eye(len(spread)) + turned @ z)
-        both = np.concatenate([self.x, self.y[:, :, None]], axis=2) * root[:, :, None]
-        seen = turned @ both
-        flat = both.reshape(-1, both.shape[2])
-        bent = seen.reshape(-1, seen.shape[2])
+        root = np.sqrt(self.weight).reshape(-1, 1)
+        scaled = self.rows * root
+        seen = windows.products(scaled[:, k + 1 :], scaled) * prior[:, :, None]
+        inner = np.linalg.inv(np.eye(q) + seen[:, :, k + 1 :] * prior[:, None, :])
+        seen = seen[:, :, : k + 1]
+        flat, bent = scaled[:, : k + 1], seen.reshape(-1, k + 1)
         found = flat.T @ flat - bent.T @ (inner @ seen).reshape(bent.shape)
-        k = self.x.shape[2]
         beta = np.linalg.solve(found[:k, :k] + self.ridge * np.eye(k), found[:k, k])
-        left = self.y - self.x @ beta
-        own = inner @ (turned @ (left * root)[:, :, None])
+        left = y - (x @ beta)[:, None]
+        own = inner @ (windows.products(scaled[:, k + 1 :], left * root) * prior[:, :, None])
         effect = prior * own[:, :, 0]
         square = effect**2 + np.einsum("wqq->wq", inner) * prior**2
-        raw = self.z * prior[:, None, :]
-        rest = left - (raw @ own)[:, :, 0]
-        unsure = ((raw @ inner) * raw).sum(axis=2)
-        errors, doubt = self.padded.back(rest) ** 2, self.padded.back(unsure)
+        raw = z * windows.spread(prior)
+        rest = left - windows.applied(raw, own)
+        each = inner @ seen[:, :, :k] if self.restricted else seen[:, :, :0]
+        both = windows.applied(raw, np.concatenate([inner, each], axis=2))
+        doubt = (both[:, :q] * raw).sum(axis=1)
+        errors = rest.reshape(self.weight.shape) ** 2
         if not self.restricted:
-            return _Expected(square, errors + doubt)
-        clear = self.x - raw @ (inner @ seen[:, :, :k])
+            return _Expected(square, errors + doubt.reshape(errors.shape))
         known = np.linalg.cholesky(np.linalg.inv(found[:k, :k] + self.ridge * np.eye(k)))
-        doubt += self.padded.back(((clear @ known) ** 2).sum(axis=2))
-        return _Expected(square, errors / np.maximum(1.0 - self.weight * doubt, LEAST_OWN))
+        clear = np.matmul(np.subtract(x, both[:, q:], out=both[:, q:]), known)
+        doubt += np.einsum("nk,nk->n", clear, clear)
+        sure = np.maximum(1.0 - self.weight * doubt.reshape(errors.shape), LEAST_OWN)
+        return _Expected(square, errors / sure)
 
 
 def learn(
@@ -193,8 +210,7 @@ def learn(
     least = rules.least_scale if least is None else least
     rows = sum(one.errors.size for one in made)
     size = np.sqrt(sum((one.windows**2).sum(axis=(0, 1)) for one in made) / rows) + 1e-12
-    linear = [one.values[:, :, one.linear] for one in made]
-    unit = np.sqrt(sum((one**2).sum(axis=(0, 1)) for one in linear) / rows)
+    unit = np.sqrt(sum((m.values[:, :, m.linear] ** 2).sum(axis=(0, 1)) for m in made) / rows)
     unit = np.where(unit > 0.0, unit, 1.0)
     robots = [
         _Robot(t, m, size, unit, free, ridge, restricted) for t, m in zip(cuts, made, strict=True)

@@ -26,8 +26,10 @@ def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
         motions: One per robot of `tracks.robots`.
     """
     path = np.empty((len(tracks.t), 3))
-    for robot, (begin, end, cut, rolling) in enumerate(_pieces(tracks)):
-        motion = motions[robot]
+    pieces = _pieces(tracks)
+    if all(one == motions[0] and _plain(one) for one in motions):  # all at once
+        pieces = [(0, len(tracks.t), tracks.start, tracks.rolling)]
+    for motion, (begin, end, cut, rolling) in zip(motions, pieces, strict=False):
         path[begin:end] = driven(
             tracks.t[begin:end],
             tracks.commands[begin:end],
@@ -52,6 +54,12 @@ def poses(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:
     if turned.any():
         seen[:, 2] += turned[tracks.row_robot[tracks.rows]]
     return seen
+
+
+def _plain(motion: Motion) -> bool:
+    """Whether a segment's path does not depend on how the rows of others lie in time."""
+    late = motion.drive.latency + motion.motor_delay + motion.pose_delay >= 0.0
+    return late and not (motion.clock_rate or motion.smear or motion.pose_lag)
 
 
 def wheel_angles(tracks: Tracks, motions: Sequence[Motion]) -> FloatArray:

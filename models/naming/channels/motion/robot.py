@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -63,13 +64,13 @@ class Robot:
 
     def by_window(self, rows: FloatArray) -> FloatArray:
         """(windows,) sums of (rows,) over each window."""
-        return np.asarray(rows.reshape(len(self.tracks.first), -1).sum(axis=1))
+        return np.add.reduceat(rows, 3 * self.tracks.first)
 
     def by_run(self, column: int) -> list[FloatArray]:
         """Of each run, (rows,) a white column there and 0 elsewhere."""
-        run = self.tracks.row_segment[self.tracks.rows[self.tracks.first]]
-        white = self.columns[:, column].reshape(len(run), -1)
-        return [np.where((run == one)[:, None], white, 0.0).ravel() for one in np.unique(run)]
+        run = np.repeat(self.tracks.row_segment[self.tracks.rows], 3)
+        white = self.columns[:, column]
+        return [np.where(run == one, white, 0.0) for one in np.unique(run)]
 
     def applied(self, motion: Motion, term: Term, coordinates: FloatArray) -> Motion:
         """A motion with a cause."""
@@ -106,9 +107,8 @@ class Robot:
 def robots_of(tracks: Tracks, motions: Sequence[Motion], *, doses: bool = True) -> list[Robot]:
     """Every robot of a log, with noise learned of all together; `doses` as of `columns`."""
     each = [tracks.only([k]) for k in range(len(tracks.robots))]
-    made = [
-        columns(one, [m], tracks.commands, doses=doses)
-        for one, m in zip(each, motions, strict=True)
-    ]
+    whole = columns(tracks, motions, tracks.commands, doses=doses)
+    edge = np.searchsorted(tracks.robot[tracks.window], np.arange(len(each) + 1)).tolist()
+    made = [whole.of(slice(begin, end)) for begin, end in pairwise(edge)]
     noise = learn(each, made, tracks.rules)
     return [Robot(*one) for one in zip(each, motions, made, noise, strict=True)]

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
-import numpy as np
-
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.senses import Belief
 from realitygap.models.naming.channels.motion.columns import Columns
@@ -56,18 +54,9 @@ class Part:
     def _white(self) -> Whitener:
         return Whitener(self.channel, self.made.windows, self.noise, free=0)
 
-    @cached_property
-    def _places(self) -> Rows:
-        """(n,) where the rows are among the padded ones."""
-        first = self.channel.first
-        longest = int(np.diff(np.append(first, len(self.channel.window))).max(initial=1))
-        within = np.arange(len(self.channel.window)) - first[self.channel.window]
-        return np.asarray(self.channel.window * longest + within)
-
     def white(self, rows: FloatArray) -> FloatArray:
         """(n, k) white ones of (n, k)."""
-        found = self._white(rows[:, None, :])[self._places]
-        return np.asarray(found * self.keep[:, None])
+        return self._white(rows[:, None, :]) * self.keep[:, None]
 
     @cached_property
     def columns(self) -> FloatArray:

@@ -79,11 +79,14 @@ def _never_below_zero(counts: FloatArray, model: PointModel) -> FloatArray:
     """Mean of infrared readings whose noise is cut off at zero, taken for normal."""
     assert model.tables is not None
     sd = max(model.senses.ps_noise * model.tables.ps_noise_floor * UNIFORM, 1e-9)
-    far = counts > 5.0 * sd
-    z = np.where(far, 0.0, counts / sd)
-    mean = counts * ndtr(z) + sd * np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi)
+    near = counts <= 5.0 * sd
+    few = counts[near]
+    z = few / sd
+    mean = counts.copy()
+    mean[near] = few * ndtr(z) + sd * np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi)
     dead = (np.array(model.senses.ps_gain) == 0.0) & (np.array(model.senses.ps_offset) == 0.0)
-    return np.asarray(np.where(dead, 0.0, np.where(far, counts, mean)))  # nor has it any noise
+    mean[:, dead] = 0.0  # nor has it any noise
+    return mean
 
 
 def own_noise(

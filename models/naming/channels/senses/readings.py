@@ -42,9 +42,9 @@ KINDS = {"infrared": ("ps", "both"), "light": ("ls", "both")}
 """Kinds of causes that a channel shows."""
 RUN_APART = 1e6
 """s that is longer than any run. No rule: as good as infinite."""
-REMEMBERED = 64
-"""Beliefs whose counts are kept: both channels of a robot ask for the same ones.
-No rule: of memory."""
+REMEMBERED = 12
+"""Beliefs whose counts are kept, the last ones asked for: what is believed now is asked for again
+and again. No rule: of memory."""
 
 
 class Eye:
@@ -56,10 +56,10 @@ class Eye:
 
     def counts(self, belief: Belief) -> FloatArray:
         """(rows, 16)."""
-        if belief not in self._kept:
-            if len(self._kept) >= REMEMBERED:
-                self._kept.pop(next(iter(self._kept)))
-            self._kept[belief] = self._read(self.sight, belief)
+        found = self._kept.pop(belief, None)
+        self._kept[belief] = self._read(self.sight, belief) if found is None else found
+        if len(self._kept) > REMEMBERED:
+            self._kept.pop(next(iter(self._kept)))
         return self._kept[belief]
 
     def slopes(self, belief: Belief) -> FloatArray:
