@@ -34,7 +34,7 @@ def places(name: str) -> dict[str, bool]:
     notes = [note for text in said for note in json.loads(text)["not_checked"]]
     unmeasured = [note for note in notes if UNMEASURED in note and name in note]
     return {
-        f"reality/effects/{name}.py, which hides it": name in catalogue(),
+        "an effect in reality/effects, which hides it": name in catalogue(),
         f"models/belief/causes/{name}.py, which believes it": name in every_cause(),
         f"its sentence, `plain` in models/belief/causes/{name}.py": bool(
             name in every_cause() and every_cause()[name].plain
