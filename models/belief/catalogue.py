@@ -1,7 +1,7 @@
 """Every cause of the catalogue: those that show in motion and those that show in the senses.
 
-A module of `belief/causes` defines `CAUSE`: its name and parameters are those of the physical
-effect it explains, written independently of how the effect is made.
+They are found by being in a module of `belief/causes`. A cause's name and parameters are those of
+the physical effect it explains, written independently of how the effect is made.
 """
 
 from __future__ import annotations
@@ -18,11 +18,10 @@ from realitygap.models.belief.senses import SenseCause
 @cache
 def every_cause() -> dict[str, Cause]:
     """Every cause by name, in alphabetical order."""
-    found: dict[str, Cause] = {}
-    for module in sorted(pkgutil.iter_modules(folder.__path__), key=lambda m: m.name):
-        cause: Cause = importlib.import_module(f"{folder.__name__}.{module.name}").CAUSE
-        found[cause.name] = cause
-    return found
+    names = (f"{folder.__name__}.{module.name}" for module in pkgutil.iter_modules(folder.__path__))
+    modules = map(importlib.import_module, names)
+    found = [one for module in modules for one in vars(module).values() if isinstance(one, Cause)]
+    return {cause.name: cause for cause in sorted(found, key=lambda cause: cause.name)}
 
 
 @cache

@@ -14,13 +14,11 @@ limit, a gain and wheels that differ forwards and backwards are shapes of it.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
 from realitygap.embedded_sim.errors import InputError
-from realitygap.embedded_sim.model import Drive
 from realitygap.models.belief.cause import sides
 from realitygap.models.belief.motion import Motion
 from realitygap.models.belief.whose import whose
@@ -65,10 +63,9 @@ class DoneCurve(Table):
 
     def applied(self, motion: Motion) -> Motion:
         """The motion with this curve."""
-        drive: Drive = motion.drive
         own = tuple(zip(self.told, self.done, strict=True))
         left, right = (
             own if chosen else before
-            for chosen, before in zip(sides(self.wheel), drive.done_curve, strict=True)
+            for chosen, before in zip(sides(self.wheel), motion.drive.done_curve, strict=True)
         )
-        return replace(motion, drive=replace(drive, done_curve=(left, right)))
+        return motion.driving(done_curve=(left, right))

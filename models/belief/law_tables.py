@@ -21,7 +21,6 @@ Of `robots = "all"` an amplitude without a robot is that of every robot that has
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
@@ -130,5 +129,4 @@ class WrittenLaw(Table):
         amplitude = self.of_robot(robot)
         if amplitude == 0.0:
             return motion
-        laws = (*motion.drive.laws, self.law(amplitude))
-        return replace(motion, drive=replace(motion.drive, laws=laws))
+        return motion.driving(laws=(*motion.drive.laws, self.law(amplitude)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 from realitygap.embedded_sim import PointModel
 from realitygap.embedded_sim.model import FloatArray
@@ -54,6 +54,10 @@ class Belief:
         x, y, radius = model.nest
         nest = (x + self.nest_shift[0], y + self.nest_shift[1], radius * self.nest_scale)
         return replace(model, senses=self.senses, nest=nest)
+
+    def sensing(self, **changes: Any) -> Belief:
+        """The belief with some of its senses' fields changed."""
+        return replace(self, senses=replace(self.senses, **changes))
 
 
 Sensing = Callable[[Belief, FloatArray, str], Belief]

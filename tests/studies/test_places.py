@@ -35,8 +35,8 @@ def places(name: str) -> dict[str, bool]:
     unmeasured = [note for note in notes if UNMEASURED in note and name in note]
     return {
         "an effect in reality/effects, which hides it": name in catalogue(),
-        f"models/belief/causes/{name}.py, which believes it": name in every_cause(),
-        f"its sentence, `plain` in models/belief/causes/{name}.py": bool(
+        "a cause in models/belief/causes, which believes it": name in every_cause(),
+        "its sentence, `plain` of the cause": bool(
             name in every_cause() and every_cause()[name].plain
         ),
         f'its entry "{name}" of MENU in studies/hidden/menu.py': name in MENU,

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from realitygap.models.belief.catalogue import causes
-from realitygap.models.belief.causes.motor_dead_zone import least_seen
+from realitygap.models.belief.causes.motors import least_seen
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.belief.motion import Motion
 from realitygap.models.belief.withheld import without
