@@ -36,11 +36,9 @@ from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.catalogue import every_cause
 from realitygap.models.belief.cause import ALL, Cause, Parameter
-from realitygap.models.belief.done_curve import DoneCurve
-from realitygap.models.belief.law_tables import WrittenLaw
+from realitygap.models.belief.law_tables import DoneCurve, WrittenLaw, whose
 from realitygap.models.belief.motion import Motion
 from realitygap.models.belief.senses import Belief, SenseCause
-from realitygap.models.belief.whose import whose
 from realitygap.models.log.files import Refused, Table
 from realitygap.models.log.named import Names
 

@@ -14,7 +14,7 @@ from realitygap.embedded_sim import PointModel, Tables
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.belief.motion import Motion
-from realitygap.models.gap.around import around
+from realitygap.models.gap.conditions import around
 from realitygap.models.gap.driven import driven, recorded
 from realitygap.models.gap.replay import replay_log
 from realitygap.models.log.frames import Rows

@@ -14,8 +14,7 @@ import numpy as np
 from realitygap.reality import constants as k
 from realitygap.reality.effects import Effect, Key
 from realitygap.reality.effects.effect import WHEEL, Robots, Values, effect, number, wheels
-from realitygap.reality.hardware import FloatArray, Hardware
-from realitygap.reality.laws import WheelLaw
+from realitygap.reality.hardware import FloatArray, Hardware, WheelLaw
 
 SHARE = Key(low=0.0, high=0.9, null=0.0)
 REACH = 0.05

@@ -10,8 +10,7 @@ import typer
 import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import Force, Quiet, out_option
-from realitygap.studies.cli.outcome import Outcome, command
-from realitygap.studies.cli.say import say_all
+from realitygap.studies.cli.outcome import Outcome, command, say_all
 
 FORMATS = ("csv", "rosbag", "mcap", "tum", "euroc", "lerobot", "optiodom", "mrclam")
 

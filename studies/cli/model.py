@@ -9,8 +9,7 @@ import typer
 
 import realitygap as rg
 from realitygap.studies.cli import app
-from realitygap.studies.cli.outcome import Outcome, command
-from realitygap.studies.cli.say import say_all
+from realitygap.studies.cli.outcome import Outcome, command, say_all
 
 EXAMPLE = """Example: realitygap model new --wheel-radius 0.033 --axle 0.16 > tb3.toml"""
 

@@ -1,15 +1,31 @@
-"""Which generations tell of the gap in fitness, and under which light each lived."""
+"""Which generations tell of the gap in fitness, under which light, and of what it is made.
+
+F_S - F_R of a generation is split, exactly, into
+
+- the winner's curse: F_S is the best of ten noisy trials; the deployed controller evaluated anew
+  under the same scenario earns less;
+- the wrong scenario: what the controller earns in simulation under the scenario its S0 names, less
+  what it earns under the one that is true;
+- model error: what it earns in simulation under the true scenario, less what it earned in reality:
+  other robots, a trial that starts where the last one ended, sensors and motors.
+
+Only the thirds of G0 and G1 matter to the controller, so there are nine controllers and three
+scenarios, and evaluating anew is a table of 27 means.
+"""
 
 from __future__ import annotations
 
+import itertools
 import os
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from realitygap.embedded_sim import CONTROL_STEP, InputError
+from realitygap.embedded_sim import CONTROL_STEP, Behaviour, InputError, PointModel, evaluate
+from realitygap.embedded_sim.model import FloatArray
 from realitygap.embedded_sim.onboard import GENERATION_STEPS
+from realitygap.models import load_models
 from realitygap.models.log.opened import parsing
 from realitygap.models.log.table_files import read_parquet
 from realitygap.studies.run.experiment import HALVES
@@ -68,3 +84,66 @@ def scenario(generations: pd.DataFrame, half: float | pd.Series[float]) -> pd.Se
     before, after = generations["t_end"] <= half, generations["t_start"] >= half
     moved = first.where(before, second.where(after))
     return first.where(first == second, moved).astype(float)
+
+
+TRIALS = 1000
+"""Fresh trials per controller and scenario; our choice: a standard error of about 1 s."""
+GENES = (0.1, 0.5, 0.9)
+"""A gene in each third."""
+PARTS = ("curse", "scenario", "model")
+"""Columns of the gap's three parts."""
+
+
+def fresh_fitness_of(model: str | None, robots: int, seed: int) -> FloatArray:
+    """Mean fitness (s) by robot and as `fresh_fitness`: (robots, 3, 3, 3), or (1, 3, 3, 3) where
+    all robots have the same model on board."""
+    models = load_models(model, robots)
+    alike = all(one is models[0] for one in models)
+    return np.stack([fresh_fitness(seed, one) for one in models[: 1 if alike else None]])
+
+
+def fresh_fitness(seed: int, model: PointModel) -> FloatArray:
+    """Mean fitness (s) by third of G0, third of G1 and scenario: (3, 3, 3).
+
+    Args:
+        seed: The study's; the trials are none that a robot has seen.
+        model: On board.
+    """
+    cells = list(itertools.product(range(3), range(3), range(3)))
+    random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(len(cells),)))
+    result = evaluate(
+        np.repeat([(GENES[g0], GENES[g1]) for g0, g1, _ in cells], TRIALS, axis=0),
+        np.repeat(np.array([light for *_, light in cells], dtype=np.int32), TRIALS),
+        random.integers(0, 2**32, (len(cells) * TRIALS, 4), dtype=np.uint32),
+        model=model,
+        behaviour=Behaviour(),
+    )
+    mean: FloatArray = result.fitness.reshape(3, 3, 3, TRIALS).mean(axis=3)
+    return mean
+
+
+def decompose(generations: pd.DataFrame, fresh: FloatArray, minutes: float) -> pd.DataFrame:
+    """The gap of every whole generation of co-evolution and its three parts, in s of fitness.
+
+    Left out: generations that the end of the run cuts short, and those in which the lamp moves.
+
+    Args:
+        generations: With thirds of the genes.
+        fresh: (3, 3, 3) of `fresh_fitness`, or (robots or 1, 3, 3, 3) of `fresh_fitness_of`.
+        minutes: Length of a run.
+    """
+    lived_under = scenario(generations, minutes * 30.0)
+    usable = whole(generations) & lived_under.notna() & generations["fitness_sim"].notna()
+    rows = generations[usable].copy()
+    truth = lived_under[usable].to_numpy(dtype=np.intp)
+    g0, g1 = (rows[f"{gene}_third"].to_numpy(dtype=np.intp) for gene in ("g0", "g1"))
+    believed = rows["s0_third"].to_numpy(dtype=np.intp)
+    every = fresh.reshape(-1, *fresh.shape[-3:])
+    robot = rows["robot"].to_numpy(dtype=np.intp) % len(every)
+    anew, under_truth = every[robot, g0, g1, believed], every[robot, g0, g1, truth]
+    rows["truth"] = truth
+    rows["gap"] = rows["fitness_sim"] - rows["fitness_real"]
+    rows["curse"] = rows["fitness_sim"] - anew
+    rows["scenario"] = anew - under_truth
+    rows["model"] = under_truth - rows["fitness_real"]
+    return rows

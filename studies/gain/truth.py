@@ -15,7 +15,7 @@ from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.log.opened import json_values, parsing
 from realitygap.reality.effects import HiddenEffect, catalogue
 from realitygap.reality.effects.spec import parse, spec_of
-from realitygap.studies.hidden.oracle import oracle
+from realitygap.studies.hidden.shares import oracle
 
 TRUTH = "truth.json"
 EXPECTED = "the truth.json of a run"

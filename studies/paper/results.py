@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from realitygap.studies.fitness_gap.anew import TRIALS
+from realitygap.studies.fitness_gap.generations import TRIALS
 from realitygap.studies.pages.page import VERDICTS, PageTable, Section, number
 from realitygap.studies.paper.claims import CLAIMS, PAPERS
 from realitygap.studies.paper.conditions import LABELS, STUDIED, StudyConfig

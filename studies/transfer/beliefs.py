@@ -12,7 +12,7 @@ from typing import Any
 from realitygap.reality.effects import parse_effects
 from realitygap.studies.blind.examiner import LOG
 from realitygap.studies.blind.record import COMMAND, diagnose
-from realitygap.studies.hidden.oracle import write_oracle
+from realitygap.studies.hidden.shares import write_oracle
 from realitygap.studies.inputs.model import Model
 from realitygap.studies.plumbing.rooms import scratch
 from realitygap.studies.run.altered import Files, read_files

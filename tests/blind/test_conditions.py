@@ -16,7 +16,7 @@ from realitygap.models.log.table_files import RECORDER
 from realitygap.reality import constants as k
 from realitygap.studies.blind.conditions import changes as c
 from realitygap.studies.blind.conditions import matrix
-from realitygap.studies.blind.conditions.diagnosed import write_given
+from realitygap.studies.blind.conditions.battery import write_given
 from realitygap.studies.blind.conditions.matrix import CONDITIONS, matrix_config, plan
 from realitygap.studies.inputs.imported import read_log
 from realitygap.studies.inputs.model import Model

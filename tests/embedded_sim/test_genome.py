@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from realitygap.embedded_sim import Behaviour, evaluate
-from realitygap.embedded_sim.breeding import Bred, CoEvolution
-from realitygap.embedded_sim.genetics import next_controllers
+from realitygap.embedded_sim.breeding import Bred, CoEvolution, next_controllers
 from realitygap.embedded_sim.genome import CONTINUOUS, PAPER
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.embedded_sim.onboard import Swarm

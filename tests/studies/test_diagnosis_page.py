@@ -28,7 +28,7 @@ from realitygap.studies.diagnosis.figures import rival_bars
 from realitygap.studies.diagnosis.plain import plain_sentence
 from realitygap.studies.diagnosis.tables import calibration_section
 from realitygap.studies.diagnosis.tracks import worst_tracks
-from realitygap.studies.pages.glossary import Words, meanings
+from realitygap.studies.pages.page import Words, meanings
 from tests.browser import CHROMIUM, WIDTHS, browser
 from tests.helpers import ROOT, page_text
 

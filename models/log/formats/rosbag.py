@@ -10,10 +10,10 @@ import pandas as pd
 
 from realitygap.embedded_sim import InputError
 from realitygap.models.log.files import checked
-from realitygap.models.log.formats.asked import Asked, Read
 from realitygap.models.log.formats.bag import Heard, Said, hear, open_bag
 from realitygap.models.log.formats.joined import latest
 from realitygap.models.log.formats.streams import merged
+from realitygap.models.log.formats.tabular import Asked, Read
 from realitygap.models.log.formats.topics import (
     BagMap,
     Frames,

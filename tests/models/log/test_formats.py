@@ -4,8 +4,8 @@ import pytest
 
 from realitygap.embedded_sim import InputError, replay
 from realitygap.models.belief.modelfile import load_model
-from realitygap.models.gap.horizons import horizon_errors
 from realitygap.models.gap.replay import replay_log
+from realitygap.models.gap.whole import horizon_errors
 from realitygap.models.log.formats.joined import join
 from realitygap.models.log.formats.mapped import read_mapped
 from realitygap.models.log.formats.mrclam import read_mrclam

@@ -10,10 +10,9 @@ import pandas as pd
 import pytest
 
 from realitygap.embedded_sim import Drive, replay
-from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.catalogue import causes, where
 from realitygap.models.belief.modelfile import read_model_file
 from realitygap.models.belief.motion import Motion
-from realitygap.models.belief.withheld import where
 from realitygap.models.log.measured import make_log
 from realitygap.models.naming.channels.motion.diagnose import diagnose
 from realitygap.models.naming.channels.motion.fit import Problem

@@ -7,11 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.catalogue import causes, without
 from realitygap.models.belief.causes.motors import least_seen
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.belief.motion import Motion
-from realitygap.models.belief.withheld import without
 from realitygap.models.gap.conditions import conditions
 from realitygap.models.gap.replay import replay_log
 from realitygap.models.log.measured import MeasuredLog

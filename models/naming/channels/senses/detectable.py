@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from realitygap.models.belief.catalogue import sense_causes
-from realitygap.models.belief.withheld import withheld
+from realitygap.models.belief.catalogue import sense_causes, withheld
 from realitygap.models.naming.channels.senses.identify import SensesFound
 from realitygap.models.naming.channels.senses.terms import NO_COMMANDS
 from realitygap.models.naming.diagnosis import Detectable

@@ -12,9 +12,8 @@ from functools import partial
 import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.catalogue import causes, withheld
 from realitygap.models.belief.cause import Cause
-from realitygap.models.belief.withheld import withheld
 from realitygap.models.naming.channels.wheels.fit import Coordinates, EncodedWheels, WheelFit
 from realitygap.models.naming.channels.wheels.halves import before_the_encoders
 from realitygap.models.naming.engine.hypothesis import Term, Terms
