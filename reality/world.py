@@ -16,10 +16,9 @@ import numpy as np
 from realitygap.embedded_sim.errors import Diverged, InputError
 from realitygap.reality import constants as k
 from realitygap.reality.arena import ForagingArena
-from realitygap.reality.build import Build
 from realitygap.reality.effects.spec import HiddenEffect
 from realitygap.reality.engine import DEFAULT, Engine, engine_class
-from realitygap.reality.hardware import NOMINAL, FloatArray, Hardware
+from realitygap.reality.hardware import NOMINAL, Build, FloatArray, Hardware
 from realitygap.reality.motors import SUBSTEPS, Motors
 from realitygap.reality.rays import DEFAULT_RAYS, ClosedRays, Rays, RaysName
 from realitygap.reality.senses import Infrared, Light, Radio, Tracker

@@ -60,10 +60,6 @@ def _print(table: DataFrame) -> None:
         write("")
 
 
-if TYPE_CHECKING:
-    from pandas import DataFrame
-
-
 @command(app, epilog="Example: realitygap laws out/odd-diagnosis/extended.toml")
 def laws(
     file: Annotated[Path, typer.Argument(help="A model file, such as extended.toml.")],
@@ -90,9 +86,6 @@ def _lines(found: DataFrame) -> Iterator[str]:
             interval = f" ({one['low']:.4g} to {one['high']:.4g})" if known else ""
             yield f"  {who}: a = {one['value']:.4g}{unit}{interval}"
 
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
 PIPED = 160
 """Letters of a line where nobody says how wide a terminal is. Our choice."""

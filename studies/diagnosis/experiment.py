@@ -115,7 +115,6 @@ class ProposedExperiment(Telling):
             write_twists(part, self.commands, self.model.file.nominal_drive)
 
     def told(self) -> tuple[str, str, str]:
-        """As `Telling`."""
         return f"Experiment: {self.content['manoeuvre']}", "\n".join(self.lines), ".commands"
 
     @property

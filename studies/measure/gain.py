@@ -24,6 +24,7 @@ from realitygap.models.log.measured import SAMPLES
 from realitygap.reality.effects import catalogue, parse_effects
 from realitygap.studies.blind.record import diagnose
 from realitygap.studies.blind.trials import Hidden
+from realitygap.studies.gain.held_out import true_model
 from realitygap.studies.gain.runs import (
     BEFORE,
     EXTENDED,
@@ -34,7 +35,6 @@ from realitygap.studies.gain.runs import (
     measure_recorded,
     plan,
 )
-from realitygap.studies.gain.truth import true_model
 from realitygap.studies.hidden.menu import MENU
 from realitygap.studies.measure.gain_rows import rows_of
 from realitygap.studies.plumbing.execution import Unfinished, Workers

@@ -44,7 +44,7 @@ from realitygap.models.naming.health.senses import (
     write_sense_reference,
 )
 from realitygap.reality.effects import HiddenEffect, catalogue, parse_effects
-from realitygap.studies.gain.truth import hidden_in
+from realitygap.studies.gain.held_out import hidden_in
 from realitygap.studies.inputs.model import Model
 from realitygap.studies.plumbing.provenance import write_json
 from realitygap.studies.plumbing.typed import typed
