@@ -21,10 +21,9 @@ from realitygap.studies.blind.record import Diagnosed, Task
 from realitygap.studies.blind.trials import Trial
 from realitygap.studies.plumbing.execution import Unfinished, Workers
 from realitygap.studies.plumbing.manifest import Pieces, made
-from realitygap.studies.plumbing.output import whole_file
 from realitygap.studies.plumbing.progress import Progress
-from realitygap.studies.plumbing.provenance import as_json_bytes, versions, write_json
-from realitygap.studies.plumbing.resumed import begun_with, check_ours, check_same, locked
+from realitygap.studies.plumbing.provenance import as_json_bytes
+from realitygap.studies.plumbing.resumed import resumed
 
 TRIAL = "trial.json"
 Config = TypeVar("Config", bound=BaseModel)
@@ -45,9 +44,8 @@ class BlindDirectory(Generic[Config]):
             InputError: it belongs to another battery or program, to something else, or is in use;
                 or what says so is damaged.
         """
-        check_ours(self.out, "battery.json", "trials", "a battery")
-        with locked(self.out, "trials", "a battery"):
-            self._resume()
+        asked = self.config.model_dump(mode="json", exclude={"trials"})  # more may be asked for
+        with resumed(self.out, "battery.json", "trials", "a battery", asked):
             yield self
 
     def pending(self, note: Callable[[str], None] = lambda line: None) -> list[Trial]:
@@ -72,16 +70,6 @@ class BlindDirectory(Generic[Config]):
             (trial, json.loads((self._pieces.path(trial.name) / TRIAL).read_bytes()))
             for trial in self.trials
         ]
-
-    def _resume(self) -> None:
-        """More trials may be asked for than before, nothing else may differ."""
-        asked = {**self.config.model_dump(mode="json", exclude={"trials"}), **versions()}
-        path = self.out / "battery.json"
-        if path.exists():
-            check_same(self.out, begun_with(path, dict[str, Any], "a battery"), asked)
-            return
-        with whole_file(path) as part:
-            write_json(part, asked)
 
 
 class TrialsFailed(Unfinished):

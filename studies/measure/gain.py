@@ -39,9 +39,8 @@ from realitygap.studies.hidden.menu import MENU
 from realitygap.studies.measure.gain_rows import rows_of
 from realitygap.studies.plumbing.execution import Unfinished, Workers
 from realitygap.studies.plumbing.manifest import Pieces, made
-from realitygap.studies.plumbing.output import whole_file
-from realitygap.studies.plumbing.provenance import as_json_bytes, versions, write_json
-from realitygap.studies.plumbing.resumed import begun_with, check_ours, check_same, locked
+from realitygap.studies.plumbing.provenance import as_json_bytes
+from realitygap.studies.plumbing.resumed import resumed
 from realitygap.studies.plumbing.rooms import scratch
 from realitygap.studies.run.experiment import ANONYMOUS, Case, RunConfig, simulate
 
@@ -186,14 +185,7 @@ def run_catalogue(
         Unfinished: the healthy runs could not be measured.
         WorkersLost: workers keep dying.
     """
-    check_ours(out, BEGUN, GROUPS, "a catalogue")
-    with locked(out, GROUPS, "a catalogue"):
-        begun, path = {**asked, **versions()}, out / BEGUN
-        if path.exists():
-            check_same(out, begun_with(path, dict[str, Any], "a catalogue"), begun)
-        else:
-            with whole_file(path) as part:
-                write_json(part, begun)
+    with resumed(out, BEGUN, GROUPS, "a catalogue", asked):
         pieces = Pieces(out / GROUPS, "group")
         failed = _measure(pieces, planned, workers, say)
         if HEALTHY in failed:
