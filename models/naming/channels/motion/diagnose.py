@@ -21,7 +21,7 @@ from realitygap.models.naming.channels.motion.identify import identify
 from realitygap.models.naming.channels.motion.leftover import leftover
 from realitygap.models.naming.channels.motion.tracks import Tracks, cut_tracks
 from realitygap.models.naming.channels.motion.unmeasured import unmeasured
-from realitygap.models.naming.channels.wheels.halves import before_the_encoders, driven_by_encoders
+from realitygap.models.naming.channels.wheels.chosen import before_the_encoders, driven_by_encoders
 from realitygap.models.naming.channels.wheels.obeyed import obeyed
 from realitygap.models.naming.claims.calibration import with_calibration
 from realitygap.models.naming.diagnosis import Diagnosis
