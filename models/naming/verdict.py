@@ -1,9 +1,9 @@
 """From a search to what stands: the causes needed, their evidence, and what is left unknown.
 
 A log may be unable to tell a cause from one that it is confusable with, whatever the fit says. Runs
-differ: tyres wear, clocks are set anew, markers are put on again. A cause counts as told from another
-only if it still shows when the other may have a value of its own in every run. Circles of one radius
-fail for wheels of two sizes and the distance between them, in whatever direction.
+differ: tyres wear, clocks are set anew, markers are put on again. A cause counts as told from
+another only if it still shows when the other may have a value of its own in every run. Circles of
+one radius fail for wheels of two sizes and the distance between them, in whatever direction.
 """
 
 from __future__ import annotations
