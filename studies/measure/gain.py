@@ -8,7 +8,6 @@ diagnosis, which gets one log alone.
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass
@@ -20,9 +19,9 @@ import pandas as pd
 
 from realitygap.models.belief.modelfile import find_model_file, read_model_file
 from realitygap.models.belief.tables import load_tables
-from realitygap.models.log.measured import SAMPLES
 from realitygap.reality.effects import catalogue, parse_effects
-from realitygap.studies.blind.record import diagnose
+from realitygap.studies.blind.examiner import LOG
+from realitygap.studies.blind.record import diagnose, record
 from realitygap.studies.blind.trials import Hidden
 from realitygap.studies.gain.held_out import true_model
 from realitygap.studies.gain.runs import (
@@ -42,7 +41,7 @@ from realitygap.studies.plumbing.manifest import Pieces, made
 from realitygap.studies.plumbing.provenance import as_json_bytes
 from realitygap.studies.plumbing.resumed import resumed
 from realitygap.studies.plumbing.rooms import scratch
-from realitygap.studies.run.experiment import ANONYMOUS, Case, RunConfig, simulate
+from realitygap.studies.run.experiment import Case, RunConfig
 
 BEGUN = "catalogue.json"
 """What a catalogue's directory was begun with."""
@@ -123,13 +122,8 @@ def measure_group(group: Group) -> tuple[dict[str, Any], pd.DataFrame]:
     Returns:
         The diagnosis, and errors before, extended and with the true parameters.
     """
-    with scratch() as room:
-        run, given = room / "run", room / "given"
-        run.mkdir()
-        given.mkdir()
-        simulate(group.naming, group.specs, run, name=ANONYMOUS)
-        shutil.move(run / SAMPLES, given / SAMPLES)
-        shutil.rmtree(run)
+    with scratch() as given:
+        record(group.naming, group.specs, given / LOG)
         answer, error = diagnose(given)
         if answer is None:
             raise RuntimeError(f"no diagnosis: {error}")

@@ -7,7 +7,6 @@ recorder. Of a run only its log is kept, and only until the next run.
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 from functools import lru_cache, partial
 from pathlib import Path
@@ -24,7 +23,7 @@ from realitygap.studies.blind.conditions.page import write_pages
 from realitygap.studies.blind.conditions.scores import cells_of, log_result, logs_table, summary
 from realitygap.studies.blind.directory import BlindDirectory, do_missing
 from realitygap.studies.blind.examiner import LOG, ask
-from realitygap.studies.blind.record import Diagnosed, Task
+from realitygap.studies.blind.record import Diagnosed, Task, answered
 from realitygap.studies.inputs.model import Model
 from realitygap.studies.plumbing.execution import Workers
 from realitygap.studies.plumbing.output import whole_file
@@ -35,23 +34,9 @@ from realitygap.studies.run.experiment import ANONYMOUS, RunConfig, simulate
 
 
 def diagnose_cell(task: Task) -> dict[str, Any]:
-    """Record, change, diagnose. Executed by a worker.
-
-    Returns:
-        As `record.run_trial`.
-    """
+    """Record, change, diagnose: see `answered`. Executed by a worker."""
     assert isinstance(task.trial, CellLog)
-    with scratch() as given:
-        began = time.perf_counter()
-        write_given(task.trial, given)
-        recorded = time.perf_counter()
-        diagnosis, error = task.diagnosed(given, ())
-        return {
-            "diagnosis": diagnosis,
-            "error": error,
-            "record_seconds": round(recorded - began, 3),
-            "diagnose_seconds": round(time.perf_counter() - recorded, 3),
-        }
+    return answered(task, partial(write_given, task.trial))
 
 
 def write_given(cell: CellLog, given: Path) -> None:
