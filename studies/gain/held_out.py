@@ -27,8 +27,7 @@ from realitygap.models.log.opened import json_values, parsing
 from realitygap.models.log.schema import coerce
 from realitygap.reality.effects import HiddenEffect, catalogue, parse_effects
 from realitygap.reality.effects.spec import parse, spec_of
-from realitygap.studies.gain.compared import Compared
-from realitygap.studies.gain.request import GainRequest
+from realitygap.studies.gain.request import Compared, GainRequest
 from realitygap.studies.gain.runs import HEALTHY, Given, HeldOut, Recorded, plan
 from realitygap.studies.hidden.shares import oracle
 from realitygap.studies.inputs.logs import Source, log_hash, read_logs
