@@ -12,7 +12,8 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.gap.conditions import Bins, bins, never_touching
 from realitygap.models.gap.flips import Means, residual_maps, scores
 from realitygap.models.gap.replay import CHANNELS, HORIZONS, errors, windows
-from realitygap.models.gap.shares import Excess, Share, excess, split
+from realitygap.models.gap.shares import Share, split
+from realitygap.models.gap.spread import Excess, excess
 from realitygap.models.log.blocks import BLOCK_SECONDS
 from realitygap.models.log.frames import Windows, motion
 from realitygap.models.log.measured import MeasuredLog

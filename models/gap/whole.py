@@ -19,7 +19,8 @@ from realitygap.models.gap.odd import Odd, odd_robots
 from realitygap.models.gap.replay import CHANNELS, HORIZONS, errors, windows
 from realitygap.models.gap.sensing import scenarios
 from realitygap.models.gap.sensor_gap import SensorGap, sensor_gap, sensors_to_judge
-from realitygap.models.gap.shares import Excess, Share
+from realitygap.models.gap.shares import Share
+from realitygap.models.gap.spread import Excess
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.noise import PoseNoise, pose_noise, window_noise
 from realitygap.models.log.schema import LS, PS

@@ -29,6 +29,7 @@ COMMANDS = (
     "import_",
     "model",
     "gap",
+    "replay",
     "study",
     "reference",
     "diagnose",

@@ -1,4 +1,4 @@
-"""`realitygap gap`, `replay`: what the simulation gets wrong, in numbers and to watch."""
+"""`realitygap gap`: what the simulation gets wrong."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import typer
 
 import realitygap as rg
 from realitygap.studies.cli import app
-from realitygap.studies.cli.options import Force, Model, Out, Quiet, Seed, out_option
+from realitygap.studies.cli.options import Force, Model, Out, Quiet, Seed
 from realitygap.studies.cli.outcome import Outcome, command
 
 EXAMPLE = """Example: realitygap gap out/run1 --out out/gap1"""
@@ -36,49 +36,3 @@ def gap(
         found = rg.measure_gap(log, model=model, seed=seed, out=out, force=force, begin=shown.begin)
     line, *notes = found.summary
     return Outcome(found.content, line, out / "report.html", notes)
-
-
-REPLAYED = """Example: realitygap replay out/run1 --out replay.html"""
-
-
-@command(app, epilog=REPLAYED)
-def replay(
-    log: Annotated[Path, typer.Argument(help="Measured log, or the directory of a run.")],
-    out: Annotated[Path, out_option("The file (.html, .rrd, .mp4 or .gif).")],
-    format: Annotated[
-        str | None,
-        typer.Option(
-            "--format",
-            help=r"html, rerun (the extra \[rerun]), mp4 (ffmpeg) or gif; by the ending of --out "
-            "if absent.",
-        ),
-    ] = None,
-    model: Model = None,
-    restart: Annotated[
-        float,
-        typer.Option(help="Seconds after which a ghost begins anew at the measured pose."),
-    ] = 5.0,
-    force: Force = False,
-    quiet: Quiet = False,
-) -> Outcome:
-    """Watch a log: robots, what they sense and believe, and where the model says they are.
-
-    Writes one page that plays in any browser and needs nothing from the network, a recording for
-    Rerun, or a film. The model's prediction is drawn as a ghost beside each robot.
-    """
-    from realitygap.studies.plumbing.progress import Stages
-
-    with Stages("replay", quiet) as shown:
-        done = rg.watch(
-            log,
-            out,
-            format=format,
-            model=model,
-            restart=restart,
-            force=force,
-            begin=shown.begin,
-        )
-    seconds = sum(run["seconds"] for run in done["runs"])
-    robots = f"{len(done['robots'])} robot{'s' * (len(done['robots']) > 1)}"
-    line = f"{robots}, {seconds:.0f} s, {done['bytes'] / 1e6:.1f} MB"
-    return Outcome(done, line, out, done["notes"])

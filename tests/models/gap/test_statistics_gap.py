@@ -10,7 +10,7 @@ from realitygap.models.gap.conditions import Bins
 from realitygap.models.gap.flips import residual_maps, scores
 from realitygap.models.gap.motion_gap import _unshrunk
 from realitygap.models.gap.replay import errors
-from realitygap.models.gap.shares import excess
+from realitygap.models.gap.spread import excess
 from realitygap.models.log.frames import Windows
 from realitygap.models.log.measured import make_log
 from realitygap.models.log.noise import PoseNoise
