@@ -14,9 +14,8 @@ import numpy.typing as npt
 
 from realitygap.embedded_sim._core import lib
 from realitygap.embedded_sim.behaviour import Behaviour
-from realitygap.embedded_sim.genome import CHOICES, PAPER, Genome
+from realitygap.embedded_sim.genome import CHOICES, GENE_MAX, PAPER, Genome, Reading
 from realitygap.embedded_sim.model import FloatArray, PointModel
-from realitygap.embedded_sim.reading import GENE_MAX, Reading
 from realitygap.embedded_sim.simulator import evaluate
 
 POPULATION = 10

@@ -15,7 +15,7 @@ from realitygap.models.gap.motion_gap import UNITS, MotionGap
 from realitygap.models.gap.sensor_gap import SensorGap
 from realitygap.models.gap.whole import COLUMNS, LEVEL, Gap
 from realitygap.models.log.measured import MeasuredLog
-from realitygap.studies.fitness_gap.by_third import CoevolutionGap
+from realitygap.studies.fitness_gap.generations import CoevolutionGap
 from realitygap.studies.pages.drawing import save, themed
 
 MAPPED = "1 s"

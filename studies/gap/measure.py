@@ -13,8 +13,12 @@ import pandas as pd
 
 from realitygap.models.gap import whole as replayed
 from realitygap.models.log.measured import SAMPLES, write_table
-from realitygap.studies.fitness_gap.by_third import CoevolutionGap, coevolution_gap
-from realitygap.studies.fitness_gap.generations import find_generations, read_generations
+from realitygap.studies.fitness_gap.generations import (
+    CoevolutionGap,
+    coevolution_gap,
+    find_generations,
+    read_generations,
+)
 from realitygap.studies.gap.figures import draw_coevolution, draw_figures, draw_horizon
 from realitygap.studies.gap.page import write_report
 from realitygap.studies.gap.report import SCHEMA, Tidy, describe, tidy_tables

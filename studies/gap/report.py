@@ -12,7 +12,7 @@ from realitygap.models.gap.shares import Share, explained
 from realitygap.models.gap.whole import COLUMNS, LEVEL, TOTAL_LEVEL, Gap
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.noise import pose_noise
-from realitygap.studies.fitness_gap.by_third import CoevolutionGap
+from realitygap.studies.fitness_gap.generations import CoevolutionGap
 from realitygap.studies.gap.words import ranked_maps, summary
 
 SCHEMA = 1

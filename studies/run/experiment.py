@@ -18,10 +18,9 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from realitygap.embedded_sim import CONTROL_STEP, SCENARIOS, Behaviour, PointModel
 from realitygap.embedded_sim.breeding import Breeder, CoEvolution, Fixed
-from realitygap.embedded_sim.genome import GENOMES, PAPER, Genome
+from realitygap.embedded_sim.genome import GENOMES, PAPER, Bounding, Genome, reading
 from realitygap.embedded_sim.onboard import Swarm
 from realitygap.embedded_sim.probes import PREFIX, probe
-from realitygap.embedded_sim.reading import Bounding, reading
 from realitygap.reality import constants as k
 from realitygap.reality.arena import ForagingArena
 from realitygap.reality.effects import parse_effects

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from realitygap.embedded_sim import InputError
 from realitygap.embedded_sim.breeding import next_controllers, next_environment, random_genes, third
-from realitygap.embedded_sim.reading import READINGS, reading
+from realitygap.embedded_sim.genome import READINGS, reading
 
 DEFAULT = READINGS["default"]
 
