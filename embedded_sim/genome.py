@@ -1,8 +1,8 @@
 """What of a controller evolves: the paper's two genes, or these and five of its constants.
 
-How the paper is read where its text is ambiguous is a named, validated part of the configuration: it
-gives a mutation s.d. of 2 on genes in [0, 0.99], no bounding rule, and a broadcast pair whose S0 may
-or may not be the one that bred the running controller (III-G, III-H).
+How the paper is read where its text is ambiguous is a named, validated part of the configuration:
+it gives a mutation s.d. of 2 on genes in [0, 0.99], no bounding rule, and a broadcast pair whose S0
+may or may not be the one that bred the running controller (III-G, III-H).
 """
 
 from __future__ import annotations

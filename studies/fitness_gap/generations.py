@@ -12,9 +12,9 @@ F_S - F_R of a generation is split, exactly, into
 Only the thirds of G0 and G1 matter to the controller, so there are nine controllers and three
 scenarios, and evaluating anew is a table of 27 means.
 
-By thirds of S0 the gap needs nothing but a run's generations. Where the simulator's environment gene
-lies in the third that matches the light, what remains is the robot's model (and the winner's luck);
-what is added where it lies in a wrong third is the environment's model.
+By thirds of S0 the gap needs nothing but a run's generations. Where the simulator's environment
+gene lies in the third that matches the light, what remains is the robot's model (and the winner's
+luck); what is added where it lies in a wrong third is the environment's model.
 """
 
 from __future__ import annotations
