@@ -15,7 +15,7 @@ from realitygap.models.naming.diagnosis import Verdict
 from realitygap.studies.diagnosis.words import verdict_sentence
 from realitygap.studies.inputs.logs import Log
 from realitygap.studies.inputs.model import Model
-from realitygap.studies.pages.notebook import WrittenResult, new_axes, rows_table
+from realitygap.studies.pages.notebook import Telling, WrittenResult, new_axes, rows_table
 from realitygap.studies.plumbing.provenance import write_json
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ LAW = ("equation", "reading", "channel", "of", "shape")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DiagnosisResult(WrittenResult):
+class DiagnosisResult(WrittenResult, Telling):
     """What is wrong with the robots of a log, and the model that knows of it."""
 
     holds = FILE

@@ -11,7 +11,7 @@ import pandas as pd
 
 from realitygap.models.log.measured import write_table
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
-from realitygap.studies.pages.notebook import WrittenResult, new_axes
+from realitygap.studies.pages.notebook import Telling, WrittenResult, new_axes
 from realitygap.studies.plumbing.provenance import write_json
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ ESTIMATES = (BEFORE, HEALTHY, EXTENDED, ORACLE, "reducible", "remains", "over_he
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GainResult(WrittenResult):
+class GainResult(WrittenResult, Telling):
     """How much better an extended model predicts runs that nothing was named from."""
 
     holds = FILE

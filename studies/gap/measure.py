@@ -26,7 +26,7 @@ from realitygap.studies.gap.words import fitness_line
 from realitygap.studies.inputs.logs import AnyLog, Log, as_log
 from realitygap.studies.inputs.model import AnyModel, Model
 from realitygap.studies.inputs.placed import placed
-from realitygap.studies.pages.notebook import WrittenResult, new_axes
+from realitygap.studies.pages.notebook import Telling, WrittenResult, new_axes
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.progress import unseen
 from realitygap.studies.plumbing.provenance import file_read, versions, write_json
@@ -38,7 +38,7 @@ FILE = "gap.json"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GapResult(WrittenResult):
+class GapResult(WrittenResult, Telling):
     """What a simulation gets wrong about a log."""
 
     holds = FILE

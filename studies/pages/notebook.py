@@ -57,7 +57,7 @@ class Telling(ABC):
         return f"<div><h4>{escape(headline)}</h4>{lines}{shown}<p>see {escape(look)}</p></div>"
 
 
-class WrittenResult(Telling):
+class WrittenResult(ABC):
     """A result that can be written, as files of which one says whose they are."""
 
     holds: ClassVar[str]
