@@ -37,8 +37,8 @@ class Task:
 
 def run_trial(task: Task) -> dict[str, Any]:
     """Record, forget what was hidden, diagnose: see `answered`. Executed by a worker."""
-    specs = tuple(one.spec for one in task.trial.hidden)
-    return answered(task, lambda given: record(task.trial.run, specs, given / LOG))
+    trial = task.trial
+    return answered(task, lambda given: record(trial.run, trial.specs, given / LOG))
 
 
 def answered(task: Task, write: Callable[[Path], None]) -> dict[str, Any]:

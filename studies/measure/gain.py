@@ -100,10 +100,8 @@ def groups(
         for name, robot in zip(members, robots, strict=True):
             entry = MENU[name]
             size = min(times * entry.bar, entry.largest)
-            values = entry.values(size, random)
-            plain = {k: v if isinstance(v, str) else float(v) for k, v in values.items()}
-            who = (robot,) if catalogue()[name].per_robot else ()
-            hidden.append(Hidden(name, plain, who, size, times if entry.bar else 1.0))
+            values, who = entry.drawn(size, random), (robot,) if catalogue()[name].per_robot else ()
+            hidden.append(Hidden(name, values, who, size, times if entry.bar else 1.0))
         controller, case = NAMING[index % len(NAMING)]
         naming = RunConfig(
             case=case,

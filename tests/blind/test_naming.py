@@ -37,7 +37,7 @@ def told(
     )
     trial = Trial(0, "single", seconds, config, hidden)
     with tempfile.TemporaryDirectory(prefix="log-") as given:
-        record(config, tuple(one.spec for one in hidden), Path(given) / LOG)
+        record(config, trial.specs, Path(given) / LOG)
         answer, error = ask(Path(given), withheld)
     assert answer is not None, error
     return trial, answer

@@ -47,7 +47,7 @@ def write_given(cell: CellLog, given: Path) -> None:
         given: A directory that is there, and empty.
     """
     condition = CONDITIONS[cell.condition]
-    log = _recorded(cell.run, tuple(one.spec for one in cell.hidden))
+    log = _recorded(cell.run, cell.specs)
     condition.change(log, cell.random).to_parquet(given / LOG, index=False)
     if condition.arena_radius is not None:
         _told(condition.arena_radius).keep(given)

@@ -219,9 +219,5 @@ def _cell(config: MatrixConfig, index: int, state: str, condition: LogCondition)
 def _at_bar(name: str, robot: int, random: np.random.Generator) -> Hidden:
     """An effect of that robot, or of the place, as large as must be named."""
     entry = MENU[name]
-    values = {
-        key: float(value) if isinstance(value, int | float) else str(value)
-        for key, value in entry.values(entry.bar, random).items()
-    }
     robots = (robot,) if catalogue()[name].per_robot else ()
-    return Hidden(name, values, robots, entry.bar, 1.0)
+    return Hidden(name, entry.drawn(entry.bar, random), robots, entry.bar, 1.0)
