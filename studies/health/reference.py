@@ -271,7 +271,7 @@ def _inherent(task: tuple[Source, Model]) -> tuple[str, FloatArray]:
 
 def _terms(task: tuple[Source, Model, FloatArray]) -> Told:
     from realitygap.models.belief.motion import Motion
-    from realitygap.models.naming.health.inherent import INHERENT
+    from realitygap.models.naming.health.reference import INHERENT
 
     log, model, inherent = task
     believed = Motion(drive=model.file.motion().drive)

@@ -30,8 +30,8 @@ from realitygap.models.belief.senses import SenseCause
 from realitygap.models.log.formats.mapped import SCALES, Map, Origin, Poses, read_map
 from realitygap.models.log.opened import json_values
 from realitygap.models.log.schema import UNITS
-from realitygap.models.naming.health.inherent import INHERENT
 from realitygap.models.naming.health.reference import (
+    INHERENT,
     Column,
     Reference,
     read_reference,

@@ -2,7 +2,7 @@
 
 Nobody who has only a log knows newton metres or coefficients of friction. What a log tells is the
 acceleration at which wheels change speed, and a healthy reference tells that of sound robots
-(`health.inherent`). Weak motors and slipping wheels are told as a share of the latter.
+(`health.reference`). Weak motors and slipping wheels are told as a share of the latter.
 """
 
 from __future__ import annotations

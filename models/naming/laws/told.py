@@ -27,10 +27,9 @@ from realitygap.models.naming.claims.ahead import KEYS, Ahead, together
 from realitygap.models.naming.claims.written import written
 from realitygap.models.naming.diagnosis import Unexplained
 from realitygap.models.naming.engine.threads import one_thread
-from realitygap.models.naming.laws.found import FoundLaw
+from realitygap.models.naming.laws.found import FoundLaw, law_table
 from realitygap.models.naming.laws.room import LawRoom
 from realitygap.models.naming.laws.search import hunted
-from realitygap.models.naming.laws.written import law_table
 from realitygap.models.naming.rules import Rules
 
 UNDRAWN = "no shape and no curve of one quantity: not exported"

@@ -20,9 +20,8 @@ from realitygap.models.naming.channels.motion.predict import poses, wheel_angles
 from realitygap.models.naming.channels.motion.tracks import Tracks, cut_tracks
 from realitygap.models.naming.diagnosis import Diagnosis, alternatives, as_json
 from realitygap.models.naming.engine.hypothesis import Term
-from realitygap.models.naming.health.inherent import INHERENT
 from realitygap.models.naming.health.learned import fit_inherent, make_reference, told_of
-from realitygap.models.naming.health.reference import Reference
+from realitygap.models.naming.health.reference import INHERENT, Reference
 from tests.models.small import driven_log
 
 MODEL = read_model_file("epuck").model_copy(update={"arena": None})
