@@ -28,10 +28,8 @@ from realitygap.studies.cli.options import (
 )
 from realitygap.studies.cli.outcome import Outcome, command
 
-EXAMPLE = """Example: realitygap demo --out out/demo --seed 3"""
 
-
-@command(app, epilog=EXAMPLE)
+@command(app, epilog="Example: realitygap demo --out out/demo --seed 3")
 def demo(
     out: Annotated[Path, out_option("Where to write.")] = Path("out/demo"),
     seed: Seed = 0,
@@ -50,10 +48,9 @@ def demo(
     return Outcome(out / "demo.json", story.verdict.capitalize(), out / "report.html")
 
 
-RUN = """Example: realitygap run --case light-at-nest --minutes 10 --seed 1 --out out/run1"""
-
-
-@command(app, epilog=RUN)
+@command(
+    app, epilog="Example: realitygap run --case light-at-nest --minutes 10 --seed 1 --out out/run1"
+)
 def run(
     out: Out,
     case: Annotated[

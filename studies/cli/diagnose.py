@@ -15,10 +15,8 @@ from realitygap.studies.cli.outcome import Outcome, command
 CODES = {"nothing_wrong": 0, "named": 10, "ambiguous": 11, "unexplained": 12, "cannot_tell": 13}
 """Of --exit-code, by verdict; 1 and 2 are failures of any command."""
 
-EXAMPLE = """Example: realitygap diagnose out/run1 --out out/diagnosis"""
 
-
-@command(app, epilog=EXAMPLE)
+@command(app, epilog="Example: realitygap diagnose out/run1 --out out/diagnosis")
 def diagnose(
     log: Annotated[list[Path], typer.Argument(help="Measured logs, or directories of runs.")],
     out: Out,
@@ -66,10 +64,7 @@ def diagnose(
     )
 
 
-PROPOSED = """Example: realitygap experiment out/diagnosis --out commands.csv"""
-
-
-@command(app, epilog=PROPOSED)
+@command(app, epilog="Example: realitygap experiment out/diagnosis --out commands.csv")
 def experiment(
     diagnosis: Annotated[
         Path, typer.Argument(help="Directory of a diagnosis, or its diagnosis.json.")

@@ -131,10 +131,10 @@ def studied(found: rg.StudyResult) -> Outcome:
     return Outcome(result, found.outcome, found.path / "report.html")
 
 
-EXAMPLE = "Example: realitygap study transfer --effect window-at-nest --runs 3 --out out/transfer"
-
-
-@command(study, epilog=EXAMPLE)
+@command(
+    study,
+    epilog="Example: realitygap study transfer --effect window-at-nest --runs 3 --out out/transfer",
+)
 def transfer(
     out: StudyOut,
     effect: Annotated[
