@@ -34,7 +34,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.embedded_sim.laws import (
@@ -69,6 +69,7 @@ def whose(robots: Any) -> Any:
     return robots
 
 
+Whose = Annotated[Literal["all"] | tuple[Annotated[int, Field(ge=0)], ...], BeforeValidator(whose)]
 Number = Annotated[float, Field(ge=-1e12, le=1e12, allow_inf_nan=False)]
 
 
@@ -110,16 +111,10 @@ class WrittenLaw(Table):
     """One law with its amplitudes."""
 
     channel: str
-    robots: Literal["all"] | tuple[Annotated[int, Field(ge=0)], ...]
+    robots: Whose
     unit: str
     atoms: Annotated[tuple[LawAtom, ...], Field(min_length=1, max_length=2)]
     amplitudes: tuple[LawAmplitude, ...]
-
-    @field_validator("robots", mode="before")
-    @classmethod
-    def _numbers(cls, robots: Any) -> Any:
-        """Refuse what names no robots."""
-        return whose(robots)
 
     @model_validator(mode="after")
     def _whole(self) -> WrittenLaw:
@@ -168,18 +163,12 @@ Speeds = tuple[Annotated[float, Field(allow_inf_nan=False)], ...]
 class DoneCurve(Table):
     """One curve."""
 
-    robots: Literal["all"] | tuple[Annotated[int, Field(ge=0)], ...] = "all"
+    robots: Whose = "all"
     wheel: Literal["left", "right", "both"] = "both"
     told: Speeds
     """Rising."""
     done: Speeds
     """As many; never falling."""
-
-    @field_validator("robots", mode="before")
-    @classmethod
-    def _numbers(cls, robots: Any) -> Any:
-        """Refuse what names no robots."""
-        return whose(robots)
 
     @model_validator(mode="after")
     def _possible(self) -> DoneCurve:
