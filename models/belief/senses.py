@@ -49,15 +49,15 @@ class Belief:
     """m."""
     nest_scale: float = 1.0
 
+    def sensing(self, **changes: Any) -> Belief:
+        """The belief with some of its senses' fields changed."""
+        return replace(self, senses=replace(self.senses, **changes))
+
     def of(self, model: PointModel) -> PointModel:
         """The point model as believed of this robot."""
         x, y, radius = model.nest
         nest = (x + self.nest_shift[0], y + self.nest_shift[1], radius * self.nest_scale)
         return replace(model, senses=self.senses, nest=nest)
-
-    def sensing(self, **changes: Any) -> Belief:
-        """The belief with some of its senses' fields changed."""
-        return replace(self, senses=replace(self.senses, **changes))
 
 
 Sensing = Callable[[Belief, FloatArray, str], Belief]

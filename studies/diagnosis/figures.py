@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import seaborn as sns
-from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, StrMethodFormatter
 
 from realitygap.embedded_sim.model import FloatArray
@@ -16,9 +15,6 @@ from realitygap.models.belief.motion import Motion
 from realitygap.models.belief.senses import SenseCause
 from realitygap.models.naming.channels.motion.examination import KINDS, Examination
 from realitygap.models.naming.channels.motion.fit import Problem
-from realitygap.models.naming.channels.senses.diagnose import SenseExamination
-from realitygap.models.naming.channels.senses.readings import CHANGES
-from realitygap.models.naming.channels.senses.readings import KINDS as SENSE_KINDS
 from realitygap.models.naming.findings import Named
 from realitygap.studies.pages.drawing import HALF, canvas, save
 
@@ -119,40 +115,13 @@ def draw_left(examined: Examination, path: Path) -> None:
             for robot, z in zip(examined.tracks.robots, far, strict=True)
         ]
     table = pd.DataFrame(rows, columns=["quantity", "robot", "z"])
+    grid = table.pivot_table(index="quantity", columns="robot", values="z", aggfunc="max")
     figure = canvas(10, 5.0)
     axis = figure.subplots()
-    _heat(table, axis)
-    axis.set_title("standard deviations from health of what follows each quantity", fontsize=10)
-    save(figure, path)
-
-
-def far_from_health(senses: SenseExamination) -> pd.DataFrame:
-    """Standard deviations from health: `channel`, `quantity`, `robot`, `z`."""
-    rows = []
-    for key, far in senses.away.items():
-        channel, change, quantity = key.split("/", 2)
-        if senses.found is not None and channel in SENSE_KINDS and change in CHANGES:
-            plain = quantity.partition(" ")[0].replace("_", " ")
-            robots = zip(senses.found.state.tracks.robots, far, strict=True)
-            rows += [(channel, plain, robot, float(z)) for robot, z in robots]
-    return pd.DataFrame(rows, columns=["channel", "quantity", "robot", "z"])
-
-
-def draw_left_in_senses(table: pd.DataFrame, path: Path) -> None:
-    """The same for the terms of each quantity in the readings, a panel per channel."""
-    shown = [channel for channel in SENSE_KINDS if (table["channel"] == channel).any()]
-    figure = canvas(10, 5.0)
-    for axis, channel in zip(np.atleast_1d(figure.subplots(1, len(shown))), shown, strict=True):
-        _heat(table[table["channel"] == channel], axis)
-        axis.set_title(channel)
-    save(figure, path)
-
-
-def _heat(table: pd.DataFrame, axis: Axes) -> None:
-    """The largest distance from health by quantity and robot."""
-    grid = table.pivot_table(index="quantity", columns="robot", values="z", aggfunc="max")
     sns.heatmap(grid, vmin=0.0, vmax=10.0, cmap="rocket_r", ax=axis, linewidths=0.5)
     axis.set(ylabel="", xlabel="robot")
+    axis.set_title("standard deviations from health of what follows each quantity", fontsize=10)
+    save(figure, path)
 
 
 def _profile(examined: Examination, one: Named, tried: FloatArray) -> FloatArray:

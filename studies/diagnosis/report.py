@@ -18,7 +18,7 @@ from realitygap.models.log.named import Names
 from realitygap.models.naming.channels.senses.joined import WholeExamination
 from realitygap.models.naming.diagnosis import Diagnosis
 from realitygap.models.naming.laws.found import FoundLaw
-from realitygap.studies.diagnosis import figures, tables
+from realitygap.studies.diagnosis import figures, sense_figures, tables
 from realitygap.studies.diagnosis.box import verdict_box
 from realitygap.studies.diagnosis.evidence import SenseEvidence
 from realitygap.studies.diagnosis.figures import draw_curves
@@ -226,8 +226,8 @@ def _left(examined: WholeExamination, room: Path) -> Section:
         drawn.append(Picture(room / "profiles.png", PROFILES))
     figures.draw_left(examined, room / "left.png")
     drawn.append(Picture(room / "left.png", LEFT))
-    table = figures.far_from_health(examined.senses)
+    table = sense_figures.far_from_health(examined.senses)
     if len(table):
-        figures.draw_left_in_senses(table, room / "left_senses.png")
+        sense_figures.draw_left(table, room / "left_senses.png")
         drawn.append(Picture(room / "left_senses.png", LEFT_IN_SENSES))
     return Section("What is left after everything found", figures=drawn, folded=True)
