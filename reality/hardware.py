@@ -10,7 +10,6 @@ Robots of one make differ: each is built a little off nominal, drawn once for a 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -191,10 +190,6 @@ class Hardware:
             laws=Laws(),
             arena=arena,
         )
-
-
-NEST_DIRECTION = math.atan2(k.NEST[1], k.NEST[0])
-"""rad from the arena's centre."""
 
 
 @dataclass(frozen=True)

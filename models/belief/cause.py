@@ -141,9 +141,6 @@ class Cause:
     """Columns that tell a cause from its twins."""
     experiment: str = ""
     """Manoeuvre of the menu (`embedded_sim.probes`) that shows it best."""
-    geometric: bool = False
-    """It acts alike whatever the robot does: only where a robot always does the same, as in
-    circles, can a measured quantity stand for it."""
     identifiable: bool = True
     """False: known, but not visible enough in motion to be named."""
     bends: bool = False

@@ -20,9 +20,6 @@ from realitygap.models.gap.replay import replay_log
 from realitygap.models.log.frames import Rows
 from realitygap.models.log.measured import MeasuredLog
 
-Own = Mapping[int, PointModel]
-"""Point models of the robots that differ from the others, by id."""
-
 
 def motions(log: MeasuredLog, file: ModelFile, name: str = "model") -> dict[int, Motion]:
     """Each robot's believed motion, by id.

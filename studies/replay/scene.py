@@ -108,14 +108,6 @@ class Scene:
         """(frames,) s since the first."""
         return np.arange(self.poses.shape[1], dtype=np.float64) * self.step
 
-    @property
-    def brought(self) -> npt.NDArray[np.int64]:
-        """(frames,) items that the robots have brought to the nest by each frame."""
-        if self.carries is None:
-            return np.zeros(self.poses.shape[1], dtype=np.int64)
-        left = self.carries[:, :-1] & ~self.carries[:, 1:]
-        return np.concatenate([[0], np.cumsum(left.sum(axis=0))])
-
 
 def scenes(log: Log, restart: float) -> tuple[Scene, ...]:
     """Every run of a log.

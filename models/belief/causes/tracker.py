@@ -41,7 +41,6 @@ TRACKER_OFFSET = Cause(
         ),
     ),
     change=_tracker_offset,
-    geometric=True,
     confusable_with=("wheel_separation",),
     experiment="spins",
 )
@@ -67,7 +66,6 @@ TRACKER_YAW_OFFSET = Cause(
         ),
     ),
     change=_tracker_yaw_offset,
-    geometric=True,
     confusable_with=("wheel_radius_mismatch", "ir_rotation"),
     experiment="straights",
 )

@@ -24,7 +24,6 @@ WHEEL_RADIUS_SCALE = Cause(
     ),
     change=_wheel_radius_scale,
     where="differential",
-    geometric=True,
     confusable_with=("speed_droop", "motor_saturation", "motor_dead_zone", "wheel_separation"),
     experiment="straights",
 )
@@ -47,7 +46,6 @@ WHEEL_RADIUS_MISMATCH = Cause(
         ),
     ),
     change=_wheel_radius_mismatch,
-    geometric=True,
     confusable_with=("tracker_yaw_offset", "wheel_separation"),
     experiment="straights",
 )
@@ -76,7 +74,6 @@ WHEEL_SEPARATION = Cause(
     ),
     change=_wheel_separation,
     where="differential",
-    geometric=True,
     confusable_with=("wheel_radius_scale", "wheel_radius_mismatch"),
     experiment="spins",
 )
@@ -92,7 +89,6 @@ SLIP = Cause(
     ),
     change=_wheel_radius_scale,
     where="skid",
-    geometric=True,
     confusable_with=("motor_saturation", "motor_dead_zone", "effective_axle"),
     experiment="straights",
 )
@@ -110,7 +106,6 @@ EFFECTIVE_AXLE = Cause(
     ),
     change=_wheel_separation,
     where="skid",
-    geometric=True,
     confusable_with=("slip", "wheel_radius_mismatch"),
     experiment="spins",
 )
