@@ -16,9 +16,8 @@ import numpy.typing as npt
 from realitygap.embedded_sim._core import ffi, lib
 from realitygap.embedded_sim.behaviour import Behaviour
 from realitygap.embedded_sim.binding import array, check, memory, refusal
-from realitygap.embedded_sim.breeding import Bred, Breeder
+from realitygap.embedded_sim.breeding import POPULATION, Bred, Breeder
 from realitygap.embedded_sim.errors import InputError
-from realitygap.embedded_sim.genetics import POPULATION
 from realitygap.embedded_sim.genome import CHOICES
 from realitygap.embedded_sim.model import CONTROL_STEP, SENSORS, FloatArray
 from realitygap.embedded_sim.simulator import TRIAL_SECONDS

@@ -1,12 +1,17 @@
 """What each robot and the place are really made of: nominal values that an effect may change.
 
 One array per property, one row per robot, so that the 40 ms loop never sees a robot as an object.
+
+`Laws` are what is wrong with an odd world when no effect of the catalogue is: each is a function
+that is applied where its quantity arises; None, or an empty list, leaves the world as it is.
+
+Robots of one make differ: each is built a little off nominal, drawn once for a run.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -14,9 +19,32 @@ import numpy.typing as npt
 from realitygap.embedded_sim import SENSOR_ANGLES, SENSORS
 from realitygap.reality import constants as k
 from realitygap.reality.arena import ForagingArena
-from realitygap.reality.laws import Laws
 
 FloatArray = npt.NDArray[np.float64]
+WheelLaw = Callable[[FloatArray, FloatArray, FloatArray, float], FloatArray]
+"""(speeds (robots, 2) rad/s, angles turned (robots, 2) rad, poses (robots, 3), s) -> speeds."""
+TrackerLaw = Callable[[FloatArray], FloatArray]
+"""Poses (robots, 3) -> poses seen."""
+InfraredLaw = Callable[[FloatArray, FloatArray], FloatArray]
+"""(sensors' directions in the world (robots, 8) rad, poses (robots, 3)) -> counts to add."""
+LightLaw = Callable[[FloatArray], FloatArray]
+"""Counts of the light sensors (robots, 8) -> counts that they tell. Asked once in each control
+step, so that it may remember what it was asked before."""
+LampLaw = Callable[[float], float]
+"""s -> factor on the lamp's power."""
+
+
+@dataclass
+class Laws:
+    """All of them."""
+
+    wheels: WheelLaw | None = None
+    tracker: TrackerLaw | None = None
+    infrared: InfraredLaw | None = None
+    lamp: LampLaw | None = None
+    light: list[LightLaw] = field(default_factory=list)
+    """One after the other."""
+
 
 NOMINAL = ForagingArena()
 
@@ -164,5 +192,69 @@ class Hardware:
         )
 
 
-NEST_DIRECTION = math.atan2(k.NEST[1], k.NEST[0])
-"""rad from the arena's centre."""
+@dataclass(frozen=True)
+class Build:
+    """Factors on what a robot would be made of, one row per robot, and where its marker sits."""
+
+    spread: float
+    """Relative s.d. of every factor."""
+    wheel_radius: FloatArray
+    """(robots, 2), left and right."""
+    axle: FloatArray
+    """(robots,)."""
+    motor_torque: FloatArray
+    """(robots,)."""
+    ir_gain: FloatArray
+    """(robots, 8)."""
+    light_gain: FloatArray
+    """(robots, 8)."""
+    marker: FloatArray
+    """(robots, 2) m ahead and to the left, s.d. of each the spread times the nominal axle: who
+    cannot place wheels better than that does not place markers better."""
+
+    @classmethod
+    def drawn(cls, robots: int, spread: float, seed: np.random.SeedSequence) -> Build:
+        """Independent normal draws about nominal, one stream per kind of part.
+
+        Args:
+            robots: How many.
+            spread: Relative s.d.; small, so that no factor comes near zero. At 0 factors are 1 and
+                markers sit where they sat, to the last bit.
+            seed: Spawned by part.
+        """
+        wheels, axle, motors, infrared, light, marker = (
+            np.random.default_rng(child) for child in seed.spawn(6)
+        )
+
+        def about(nominal: float, random: np.random.Generator, *shape: int) -> FloatArray:
+            return nominal + spread * random.standard_normal((robots, *shape))
+
+        return cls(
+            spread=spread,
+            wheel_radius=about(1.0, wheels, 2),
+            axle=about(1.0, axle),
+            motor_torque=about(1.0, motors),
+            ir_gain=about(1.0, infrared, SENSORS),
+            light_gain=about(1.0, light, SENSORS),
+            marker=k.AXLE * about(0.0, marker, 2),
+        )
+
+    def apply(self, hardware: Hardware) -> None:
+        """Change the hardware, in place; what is hidden in it is built no better than the rest."""
+        hardware.wheel_radius *= self.wheel_radius
+        hardware.axle *= self.axle
+        hardware.motor_torque *= self.motor_torque
+        hardware.ir_amplitude *= self.ir_gain
+        hardware.light_gain *= self.light_gain
+        hardware.markers[:, :2] += self.marker
+
+    def truth(self) -> dict[str, object]:
+        """What `truth.json` says of it: nothing where robots are all alike."""
+        if not self.spread:
+            return {}
+        parts = ("wheel_radius", "axle", "motor_torque", "ir_gain", "light_gain", "marker")
+        robots = [
+            {"robot": robot, **{part: getattr(self, part)[robot].tolist() for part in parts}}
+            for robot in range(len(self.axle))
+        ]
+        return {"build": {"spread": self.spread, "robots": robots}}

@@ -79,7 +79,6 @@ class MujocoEngine:
         self._data: Any = None
 
     def close(self) -> None:
-        """Free the world."""
         self._model = self._data = None
 
     def add_ring(self, radius: float = k.ARENA_RADIUS) -> None:
@@ -94,7 +93,6 @@ class MujocoEngine:
         axle: float = k.AXLE,
         wheel_friction: float = k.WHEEL_FRICTION,
     ) -> None:
-        """A robot with the middle of its axle at pose (x, y, yaw); wheels stand on the floor."""
         lift = k.WHEEL_RADIUS  # the base frame: middle of a nominal robot's axle
         n = len(self._frictions)
         body = self._spec.worldbody.add_body(
@@ -130,7 +128,6 @@ class MujocoEngine:
         self._frictions.append(wheel_friction)
 
     def drive(self, robot: int, left: float, right: float, torque: float) -> None:
-        """Set the speeds (rad/s) that a robot's two motors hold with at most `torque` (N m)."""
         self._build()
         wheels = slice(2 * robot, 2 * robot + 2)
         self._housing[wheels] = left, right
@@ -138,7 +135,6 @@ class MujocoEngine:
         self._torque[robot] = torque
 
     def advance(self, steps: int) -> None:
-        """Step the physics."""
         self._build()
         model, data, motors = self._model, self._data, len(self._housing)
         for _ in range(steps):
@@ -152,7 +148,6 @@ class MujocoEngine:
             mujoco.mj_step2(model, data)
 
     def poses(self, out: FloatArray) -> None:
-        """Fill (robots, 3): x, y (m) and yaw (rad) of the middles of the axles."""
         self._build()
         place, speed, half = self._place, self._speed, 0.5 * self._step
         w, x, y, z = place[:, 3:7].T
@@ -161,7 +156,6 @@ class MujocoEngine:
         out[:, 2] = np.remainder(yaw - half * speed[:, 5] + np.pi, 2.0 * np.pi) - np.pi
 
     def wheel_angles(self, out: FloatArray) -> None:
-        """Fill (robots, 2): rad that the left and right wheel have turned against the body."""
         self._build()
         out[:] = self._place[:, 7:] - 0.5 * self._step * self._speed[:, 6:]
 

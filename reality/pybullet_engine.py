@@ -85,7 +85,6 @@ class PybulletEngine:
         self._dynamics(floor, _BASE, lateralFriction=1.0)
 
     def close(self) -> None:
-        """Free the world."""
         if self._client >= 0:
             bullet.disconnect(self._client)
             self._client = -1
@@ -133,7 +132,6 @@ class PybulletEngine:
         axle: float = k.AXLE,
         wheel_friction: float = k.WHEEL_FRICTION,
     ) -> None:
-        """A robot with the middle of its axle at pose (x, y, yaw); wheels stand on the floor."""
         lift = k.WHEEL_RADIUS  # the base frame: middle of a nominal robot's axle
         height = k.BODY_TOP - k.BODY_BOTTOM
         body = self._shape(
@@ -185,7 +183,6 @@ class PybulletEngine:
         self._bodies.append(robot)
 
     def drive(self, robot: int, left: float, right: float, torque: float) -> None:
-        """Set the speeds (rad/s) that a robot's two motors hold with at most `torque` (N m)."""
         bullet.setJointMotorControlArray(
             self._bodies[robot],
             (_LEFT, _RIGHT),
@@ -196,20 +193,17 @@ class PybulletEngine:
         )
 
     def advance(self, steps: int) -> None:
-        """Step the physics."""
         client = self._client
         for _ in range(steps):
             bullet.stepSimulation(client)
 
     def wheel_angles(self, out: FloatArray) -> None:
-        """Fill (robots, 2): rad that the left and right wheel have turned against the body."""
         client = self._client
         wheels = (_LEFT, _RIGHT)
         states = [bullet.getJointStates(body, wheels, client) for body in self._bodies]
         out[:] = [(left[0], right[0]) for left, right in states]
 
     def poses(self, out: FloatArray) -> None:
-        """Fill (robots, 3): x, y (m) and yaw (rad) of the middles of the axles."""
         client = self._client
         bodies = [bullet.getBasePositionAndOrientation(body, client) for body in self._bodies]
         raw: FloatArray = np.array([position + orientation for position, orientation in bodies])
@@ -284,7 +278,6 @@ class StrictPybulletEngine(PybulletEngine):
     _SLOP = k.STRICT_SLOP
 
     def wheel_angles(self, out: FloatArray) -> None:
-        """Fill (robots, 2): rad that the left and right wheel have turned against the body."""
         client, wheels, back = self._client, (_LEFT, _RIGHT), self._back
         states = [bullet.getJointStates(body, wheels, client) for body in self._bodies]
         out[:] = [[wheel[0] - back * wheel[1] for wheel in state] for state in states]

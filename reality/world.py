@@ -2,6 +2,9 @@
 
 Every 40 ms the caller senses, lets the controllers answer, and advances. Nothing here knows what a
 robot believes.
+
+The encoders count what the wheels really turned, in whole steps; a late tracker reports poses of
+some time ago.
 """
 
 from __future__ import annotations
@@ -13,15 +16,61 @@ import numpy as np
 from realitygap.embedded_sim.errors import Diverged, InputError
 from realitygap.reality import constants as k
 from realitygap.reality.arena import ForagingArena
-from realitygap.reality.build import Build
-from realitygap.reality.clock import Past
 from realitygap.reality.effects.spec import HiddenEffect
-from realitygap.reality.encoders import Encoders
-from realitygap.reality.engine import DEFAULT, engine_class
-from realitygap.reality.hardware import NOMINAL, FloatArray, Hardware
+from realitygap.reality.engine import DEFAULT, Engine, engine_class
+from realitygap.reality.hardware import NOMINAL, Build, FloatArray, Hardware
 from realitygap.reality.motors import SUBSTEPS, Motors
 from realitygap.reality.rays import DEFAULT_RAYS, ClosedRays, Rays, RaysName
 from realitygap.reality.senses import Infrared, Light, Radio, Tracker
+
+
+class Past:
+    """The robots' poses at the last physics steps, and between two of them on a straight line."""
+
+    def __init__(self, delay: FloatArray, poses: FloatArray) -> None:
+        """Remember as far back as the latest clock needs.
+
+        Args:
+            delay: (robots,) s.
+            poses: (robots, 3) where the robots are, and have always been.
+        """
+        steps = delay / k.PHYSICS_STEP
+        whole = np.floor(steps + 1e-9)
+        self._whole, self._part = whole.astype(np.intp), np.maximum(steps - whole, 0.0)[:, None]
+        self._poses: FloatArray = np.repeat(poses[None], int(self._whole.max()) + 2, axis=0)
+        self._rows = np.arange(len(delay))
+        self._newest = 0
+
+    def add(self, poses: FloatArray) -> None:
+        """A physics step later the robots are at poses (robots, 3)."""
+        self._newest += 1
+        self._poses[self._newest % len(self._poses)] = poses
+
+    def late(self) -> FloatArray:
+        """(robots, 3): where each robot was when its clock says it is now."""
+        at = self._newest - self._whole
+        later = self._poses[at % len(self._poses), self._rows]
+        back = self._poses[(at - 1) % len(self._poses), self._rows] - later
+        back[:, 2] = np.remainder(back[:, 2] + np.pi, 2.0 * np.pi) - np.pi
+        return later + self._part * back
+
+
+class Encoders:
+    """Step counters on both wheels of every robot, read once per control step."""
+
+    def __init__(self, robots: int) -> None:
+        self.speeds: FloatArray = np.zeros((robots, 2))
+        """rad/s, left and right: the mean over the control step that ends now, of whole steps."""
+        self._angles: FloatArray = np.zeros((robots, 2))
+        self._steps: FloatArray = np.zeros((robots, 2))
+
+    def read(self, engine: Engine) -> None:
+        """Fill `speeds` from the steps counted since the last reading."""
+        engine.wheel_angles(self._angles)
+        steps = np.rint(self._angles / k.WHEEL_STEP)
+        np.subtract(steps, self._steps, out=self.speeds)
+        self.speeds *= k.WHEEL_STEP / k.CONTROL_STEP
+        self._steps = steps
 
 
 class World:

@@ -15,30 +15,39 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from realitygap.embedded_sim.errors import Diverged, InputError
-    from realitygap.models.belief.new_model import new_model
-    from realitygap.models.naming.rules import Rules
-    from realitygap.studies import study
-    from realitygap.studies.blind.battery import blind
-    from realitygap.studies.demo.demo import demo
-    from realitygap.studies.diagnosis.diagnose import diagnose
-    from realitygap.studies.diagnosis.experiment import ProposedExperiment, experiment
-    from realitygap.studies.diagnosis.result import DiagnosisResult
-    from realitygap.studies.diagnosis.rules import rules
-    from realitygap.studies.gain.measure import GainFailed, gain
-    from realitygap.studies.gain.result import GainResult
-    from realitygap.studies.gap.measure import GapResult, measure_gap
-    from realitygap.studies.gap.replay import replay
-    from realitygap.studies.health.reference import measure_health
-    from realitygap.studies.hidden.catalogue import causes, effects
-    from realitygap.studies.inputs.imported import guessed_map, import_log, read_log, topics
-    from realitygap.studies.inputs.logs import Log
-    from realitygap.studies.inputs.model import Model
-    from realitygap.studies.plumbing.execution import Unfinished
-    from realitygap.studies.replay.watch import watch
-    from realitygap.studies.run.capture import capture
-    from realitygap.studies.run.simulate import RunResult, simulate
-    from realitygap.studies.study import StudyResult
+    from realitygap.embedded_sim.errors import Diverged as Diverged
+    from realitygap.embedded_sim.errors import InputError as InputError
+    from realitygap.models.belief.new_model import new_model as new_model
+    from realitygap.models.naming.rules import Rules as Rules
+    from realitygap.studies import study as study
+    from realitygap.studies.blind.battery import blind as blind
+    from realitygap.studies.demo.demo import demo as demo
+    from realitygap.studies.diagnosis.diagnose import diagnose as diagnose
+    from realitygap.studies.diagnosis.experiment import ProposedExperiment as ProposedExperiment
+    from realitygap.studies.diagnosis.experiment import experiment as experiment
+    from realitygap.studies.diagnosis.result import DiagnosisResult as DiagnosisResult
+    from realitygap.studies.diagnosis.rules import rules as rules
+    from realitygap.studies.gain.measure import GainFailed as GainFailed
+    from realitygap.studies.gain.measure import gain as gain
+    from realitygap.studies.gain.result import GainResult as GainResult
+    from realitygap.studies.gap.measure import GapResult as GapResult
+    from realitygap.studies.gap.measure import measure_gap as measure_gap
+    from realitygap.studies.gap.replay import replay as replay
+    from realitygap.studies.health.reference import measure_health as measure_health
+    from realitygap.studies.hidden.catalogue import causes as causes
+    from realitygap.studies.hidden.catalogue import effects as effects
+    from realitygap.studies.inputs.imported import guessed_map as guessed_map
+    from realitygap.studies.inputs.imported import import_log as import_log
+    from realitygap.studies.inputs.imported import read_log as read_log
+    from realitygap.studies.inputs.imported import topics as topics
+    from realitygap.studies.inputs.logs import Log as Log
+    from realitygap.studies.inputs.model import Model as Model
+    from realitygap.studies.plumbing.execution import Unfinished as Unfinished
+    from realitygap.studies.replay.watch import watch as watch
+    from realitygap.studies.run.capture import capture as capture
+    from realitygap.studies.run.simulate import RunResult as RunResult
+    from realitygap.studies.run.simulate import simulate as simulate
+    from realitygap.studies.study import StudyResult as StudyResult
 
 _WHERE = {
     "DiagnosisResult": "studies.diagnosis.result",
@@ -77,41 +86,7 @@ _WHERE = {
 }
 """Module of each public name: imported when it is asked for, so that starting costs little."""
 
-__all__ = [
-    "DiagnosisResult",
-    "Diverged",
-    "GainFailed",
-    "GainResult",
-    "GapResult",
-    "InputError",
-    "Log",
-    "Model",
-    "ProposedExperiment",
-    "Rules",
-    "RunResult",
-    "StudyResult",
-    "Unfinished",
-    "blind",
-    "capture",
-    "causes",
-    "demo",
-    "diagnose",
-    "effects",
-    "experiment",
-    "gain",
-    "guessed_map",
-    "import_log",
-    "measure_gap",
-    "measure_health",
-    "new_model",
-    "read_log",
-    "replay",
-    "rules",
-    "simulate",
-    "study",
-    "topics",
-    "watch",
-]
+__all__ = sorted(_WHERE)
 
 
 def __getattr__(name: str) -> Any:

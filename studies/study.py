@@ -76,7 +76,6 @@ class StudyResult(Telling):
         return axes
 
     def told(self) -> tuple[str, str, str]:
-        """As `Telling`."""
         return f"Study ({self.path})", self.outcome, f".tables and {self.path / 'report.html'}"
 
 

@@ -80,9 +80,14 @@ Change = Callable[[Motion, FloatArray, str], Motion]
 Starts = Callable[[FloatArray], list[FloatArray]]
 
 
-def from_null(commands: FloatArray) -> list[FloatArray]:
-    """One start for the fit: the null."""
-    return []
+@dataclass(frozen=True)
+class FixedStarts:
+    """The same starts whatever was commanded."""
+
+    coordinates: tuple[float, ...] = ()
+
+    def __call__(self, commands: FloatArray) -> list[FloatArray]:
+        return [np.array([one]) for one in self.coordinates]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,16 +141,13 @@ class Cause:
     """Columns that tell a cause from its twins."""
     experiment: str = ""
     """Manoeuvre of the menu (`embedded_sim.probes`) that shows it best."""
-    geometric: bool = False
-    """It acts alike whatever the robot does: only where a robot always does the same, as in
-    circles, can a measured quantity stand for it."""
     identifiable: bool = True
     """False: known, but not visible enough in motion to be named."""
     bends: bool = False
     """Its effect bends within a step of a parameter: derivatives are taken from both sides."""
     smooth: bool = True
     """False: the fit must scan the first parameter, whose effect jumps."""
-    starts: Starts = field(default=from_null)
+    starts: Starts = FixedStarts()
     """Coordinates (parameters,) to start the fit from besides the null, given the commands."""
 
     def applied(self, motion: Motion, coordinates: FloatArray, variant: str = ALL) -> Motion:

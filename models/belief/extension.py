@@ -27,7 +27,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
@@ -36,11 +36,9 @@ from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.catalogue import every_cause
 from realitygap.models.belief.cause import ALL, Cause, Parameter
-from realitygap.models.belief.done_curve import DoneCurve
-from realitygap.models.belief.law_tables import WrittenLaw
+from realitygap.models.belief.law_tables import DoneCurve, Whose, WrittenLaw
 from realitygap.models.belief.motion import Motion
 from realitygap.models.belief.senses import Belief, SenseCause
-from realitygap.models.belief.whose import whose
 from realitygap.models.log.files import Refused, Table
 from realitygap.models.log.named import Names
 
@@ -74,7 +72,7 @@ class NamedCause(Table):
     """One cause of the catalogue with values."""
 
     name: str
-    robots: Literal["all"] | tuple[Annotated[int, Field(ge=0)], ...] = "all"
+    robots: Whose = "all"
     word: str = ALL
     """Which wheel, where the cause has variants."""
     parameters: dict[str, ParameterValue]
@@ -83,12 +81,6 @@ class NamedCause(Table):
     def cause(self) -> Cause:
         """The catalogue's entry."""
         return every_cause()[self.name]
-
-    @field_validator("robots", mode="before")
-    @classmethod
-    def _numbers(cls, robots: Any) -> Any:
-        """Refuse what names no robots."""
-        return whose(robots)
 
     @model_validator(mode="after")
     def _known(self) -> NamedCause:

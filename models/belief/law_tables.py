@@ -1,4 +1,4 @@
-"""`[[extension.laws]]` of a model file: terms that a diagnosis found, with an amplitude per robot.
+"""Tables of a model file's extension: laws that a diagnosis found, and what wheels do when told.
 
 ```toml
 [[extension.laws]]
@@ -14,17 +14,27 @@ amplitudes = [
 of = "place"
 form = "half"
 parameters = [1.57, 0.0]
+
+[[extension.done_curve]]
+robots = [3]                 # or "all"
+wheel = "left"               # or "right", or "both"
+told = [-6.0, -1.0, 1.0, 6.0]
+done = [-5.6, 0.0, 0.0, 5.6]
 ```
 
-Of `robots = "all"` an amplitude without a robot is that of every robot that has none of its own.
+A law has an amplitude per robot. Of `robots = "all"` an amplitude without a robot is that of every
+robot that has none of its own.
+
+A `done_curve` has straight lines between its knots (rad/s), and beyond the outer ones their values.
+A dead zone, a limit, a gain and wheels that differ forwards and backwards are shapes of it.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Collection
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from realitygap.embedded_sim.errors import InputError, nearest
 from realitygap.embedded_sim.laws import (
@@ -36,11 +46,30 @@ from realitygap.embedded_sim.laws import (
     Law,
     law_struct,
 )
+from realitygap.models.belief.cause import sides
 from realitygap.models.belief.law_words import UNIT
 from realitygap.models.belief.motion import Motion
-from realitygap.models.belief.whose import whose
 from realitygap.models.log.files import Refused, Table
 
+ROBOTS = 'robot numbers from 0, as in [3] or [1, 4], or "all"'
+
+
+def whose(robots: Any) -> Any:
+    """Robots as given, but for what names none, which is refused."""
+    if robots == "all":
+        return robots
+    if isinstance(robots, str) or not isinstance(robots, Collection) or not robots:
+        given = list(robots) if isinstance(robots, tuple) else robots
+        raise Refused("", repr(given), ROBOTS)
+    for robot in robots:
+        if isinstance(robot, bool) or not isinstance(robot, int) or robot < 0:
+            raise Refused("", repr(robot), ROBOTS)
+    if len(set(robots)) < len(robots):
+        raise Refused("", repr(list(robots)), "each robot once")
+    return robots
+
+
+Whose = Annotated[Literal["all"] | tuple[Annotated[int, Field(ge=0)], ...], BeforeValidator(whose)]
 Number = Annotated[float, Field(ge=-1e12, le=1e12, allow_inf_nan=False)]
 
 
@@ -82,16 +111,10 @@ class WrittenLaw(Table):
     """One law with its amplitudes."""
 
     channel: str
-    robots: Literal["all"] | tuple[Annotated[int, Field(ge=0)], ...]
+    robots: Whose
     unit: str
     atoms: Annotated[tuple[LawAtom, ...], Field(min_length=1, max_length=2)]
     amplitudes: tuple[LawAmplitude, ...]
-
-    @field_validator("robots", mode="before")
-    @classmethod
-    def _numbers(cls, robots: Any) -> Any:
-        """Refuse what names no robots."""
-        return whose(robots)
 
     @model_validator(mode="after")
     def _whole(self) -> WrittenLaw:
@@ -130,5 +153,45 @@ class WrittenLaw(Table):
         amplitude = self.of_robot(robot)
         if amplitude == 0.0:
             return motion
-        laws = (*motion.drive.laws, self.law(amplitude))
-        return replace(motion, drive=replace(motion.drive, laws=laws))
+        return motion.driving(laws=(*motion.drive.laws, self.law(amplitude)))
+
+
+Speeds = tuple[Annotated[float, Field(allow_inf_nan=False)], ...]
+"""rad/s."""
+
+
+class DoneCurve(Table):
+    """One curve."""
+
+    robots: Whose = "all"
+    wheel: Literal["left", "right", "both"] = "both"
+    told: Speeds
+    """Rising."""
+    done: Speeds
+    """As many; never falling."""
+
+    @model_validator(mode="after")
+    def _possible(self) -> DoneCurve:
+        """Refuse what C would refuse."""
+        if len(self.done) != len(self.told):
+            raise Refused("done", f"{len(self.done)} speeds", f"{len(self.told)}, as many as told")
+        try:
+            self.applied(Motion()).drive.struct()
+        except InputError as error:
+            raise Refused(
+                error.field.removeprefix("drive.done_curve "), error.got, error.expected
+            ) from None
+        return self
+
+    def concerns(self, robot: int | None) -> bool:
+        """Whether a robot has it; None asks for what the whole swarm has."""
+        return self.robots == "all" or (robot is not None and robot in self.robots)
+
+    def applied(self, motion: Motion) -> Motion:
+        """The motion with this curve."""
+        own = tuple(zip(self.told, self.done, strict=True))
+        left, right = (
+            own if chosen else before
+            for chosen, before in zip(sides(self.wheel), motion.drive.done_curve, strict=True)
+        )
+        return motion.driving(done_curve=(left, right))

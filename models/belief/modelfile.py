@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -149,7 +148,7 @@ class ModelFile(Table):
             return motion
         body = self.robot.body_radius
         reach = 0.0 if self.arena is None else self.arena.radius - body
-        return replace(motion, drive=replace(motion.drive, reach=reach, body=body))
+        return motion.driving(reach=reach, body=body)
 
     @property
     def nominal_drive(self) -> Drive:

@@ -6,7 +6,8 @@ catalogue's causes are functions from one motion to another, so that any set of 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from realitygap.embedded_sim import Drive
 
@@ -43,3 +44,7 @@ class Motion:
     def wheels(self) -> Drive:
         """What the encoders follow."""
         return self.drive if self.encoder_drive is None else self.encoder_drive
+
+    def driving(self, **changes: Any) -> Motion:
+        """The motion with some of its drive's fields changed."""
+        return replace(self, drive=replace(self.drive, **changes))

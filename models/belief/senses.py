@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Protocol
+from typing import Any, Protocol
 
 from realitygap.embedded_sim import PointModel
 from realitygap.embedded_sim.model import FloatArray
@@ -51,6 +51,10 @@ class Belief:
     nest_shift: tuple[float, float] = (0.0, 0.0)
     """m."""
     nest_scale: float = 1.0
+
+    def sensing(self, **changes: Any) -> Belief:
+        """The belief with some of its senses' fields changed."""
+        return replace(self, senses=replace(self.senses, **changes))
 
     def of(self, model: PointModel) -> PointModel:
         """The point model as believed of this robot."""

@@ -14,14 +14,11 @@ from realitygap.embedded_sim import PointModel, Tables
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.belief.motion import Motion
-from realitygap.models.gap.around import around
+from realitygap.models.gap.conditions import around
 from realitygap.models.gap.driven import driven, recorded
 from realitygap.models.gap.replay import replay_log
 from realitygap.models.log.frames import Rows
 from realitygap.models.log.measured import MeasuredLog
-
-Own = Mapping[int, PointModel]
-"""Point models of the robots that differ from the others, by id."""
 
 
 def motions(log: MeasuredLog, file: ModelFile, name: str = "model") -> dict[int, Motion]:

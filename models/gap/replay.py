@@ -10,7 +10,7 @@ import numpy as np
 
 from realitygap.embedded_sim import Drive, replay
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.gap.around import around
+from realitygap.models.gap.conditions import around
 from realitygap.models.log.frames import Rows, Windows, motion, wrapped
 from realitygap.models.log.measured import GAP_STEPS, MeasuredLog
 

@@ -18,9 +18,16 @@ import numpy.typing as npt
 
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.log.agreement import STEPS, Driven, contrast, disagreement, usual_step
+from realitygap.models.log.agreement import (
+    STEPS,
+    Driven,
+    UnitReading,
+    contrast,
+    disagreement,
+    mistakes,
+    usual_step,
+)
 from realitygap.models.log.schema import ENCODERS
-from realitygap.models.log.unit_mistakes import UnitReading, mistakes
 
 SAMPLE = 20_000
 """Rows looked at, from the start of every segment in turn: enough for any of these mistakes."""

@@ -19,8 +19,7 @@ from realitygap.models.log.preflight.entry import PreflightEntry
 from realitygap.models.log.used import Used
 from realitygap.models.naming.claims.written import written
 from realitygap.models.naming.findings import Named
-from realitygap.models.naming.laws.found import FoundLaw
-from realitygap.models.naming.laws.written import law_as_json, law_table
+from realitygap.models.naming.laws.found import FoundLaw, law_as_json, law_table
 from realitygap.models.naming.proposal.menu import Proposal
 from realitygap.models.naming.rules import Rules
 

@@ -1,8 +1,8 @@
-"""Physical effects that can be hidden in reality: one module each, found by being here.
+"""Physical effects that can be hidden in reality, found by being in a module of this package.
 
-A module of this package defines `EFFECT`. Its name and parameters are the ones written in
-`--effect NAME:key=value,...`; `apply` changes the hardware of the chosen robots before the world is
-built. Nothing of it is ever written to what a diagnosis reads.
+An effect's name and parameters are the ones written in `--effect NAME:key=value,...`; it changes
+the hardware of the chosen robots before the world is built. Nothing of it is ever written to what a
+diagnosis reads.
 """
 
 from __future__ import annotations
@@ -18,18 +18,15 @@ from realitygap.reality.effects.spec import HiddenEffect, parse
 
 __all__ = ["Effect", "HiddenEffect", "Key", "catalogue", "parse_effects"]
 
-_MACHINERY = ("effect", "spec")
-
 
 @cache
 def catalogue() -> dict[str, Effect]:
     """Every effect by name, in alphabetical order."""
-    found: dict[str, Effect] = {}
-    for module in sorted(pkgutil.iter_modules(__path__), key=lambda m: m.name):
-        if module.name not in _MACHINERY:
-            effect: Effect = importlib.import_module(f"{__name__}.{module.name}").EFFECT
-            found[effect.name] = effect
-    return found
+    modules = (
+        importlib.import_module(f"{__name__}.{m.name}") for m in pkgutil.iter_modules(__path__)
+    )
+    found = [one for module in modules for one in vars(module).values() if isinstance(one, Effect)]
+    return {effect.name: effect for effect in sorted(found, key=lambda effect: effect.name)}
 
 
 def parse_effects(

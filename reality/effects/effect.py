@@ -10,11 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 from realitygap.embedded_sim import SENSORS
-from realitygap.reality.hardware import FloatArray, Hardware
+from realitygap.reality.hardware import Hardware
 
 Value = float | str
+Values = Mapping[str, Value]
 Robots = npt.NDArray[np.intp]
 Kind = Literal["motion", "infrared", "light", "task"]
+Apply = Callable[[Hardware, Robots, Values], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,10 +43,28 @@ class Effect:
     physics: str
     """What is changed, in a few words."""
     parameters: Mapping[str, Key]
-    apply: Callable[[Hardware, Robots, Mapping[str, Value]], None]
+    apply: Apply
     """Changes the hardware of the given robots, in place."""
     per_robot: bool = True
     """False for lamps, walls and floors: `robot=` is refused."""
+
+
+def effect(
+    *, kind: Kind, physics: str, per_robot: bool = True, **parameters: Key
+) -> Callable[[Apply], Effect]:
+    """Makes an effect, of its name, of the function below: what it does to the hardware."""
+
+    def made(apply: Apply) -> Effect:
+        return Effect(
+            name=apply.__name__,
+            kind=kind,
+            physics=physics,
+            parameters=parameters,
+            apply=apply,
+            per_robot=per_robot,
+        )
+
+    return made
 
 
 WHEEL = Key(words=("left", "right", "both"), default="both")
@@ -54,7 +74,7 @@ SENSOR = Key(words=tuple(str(i) for i in range(SENSORS)))
 SENSOR_OR_ALL = Key(words=(*SENSOR.words, "all"), default="all")
 
 
-def number(values: Mapping[str, Value], key: str) -> float:
+def number(values: Values, key: str) -> float:
     """A parameter that is a number."""
     return float(values[key])
 
@@ -64,24 +84,14 @@ def scale(low: float, high: float) -> Key:
     return Key(low=low, high=high, null=1.0)
 
 
-def wheels(values: Mapping[str, Value]) -> slice:
+def wheels(values: Values) -> slice:
     """Columns of a (robots, 2) array that the key `wheel` names."""
     return {"left": slice(0, 1), "right": slice(1, 2), "both": slice(0, 2)}[str(values["wheel"])]
 
 
-def sensors(values: Mapping[str, Value]) -> slice:
+def sensors(values: Values) -> slice:
     """Columns of a (robots, 8) array that the key `sensor` names."""
     if values["sensor"] == "all":
         return slice(0, SENSORS)
     sensor = int(values["sensor"])
     return slice(sensor, sensor + 1)
-
-
-def put(array: FloatArray, robots: Robots, columns: slice, value: float) -> None:
-    """Set some columns of some robots' rows."""
-    array[robots, columns] = value
-
-
-def multiply(array: FloatArray, robots: Robots, columns: slice, factor: float) -> None:
-    """Scale some columns of some robots' rows."""
-    array[robots, columns] *= factor

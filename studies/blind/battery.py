@@ -8,22 +8,27 @@ from pathlib import Path
 from typing import Any
 
 from realitygap.embedded_sim.errors import InputError
+from realitygap.models.belief.catalogue import every_cause
 from realitygap.reality.engine import DEFAULT, engine_name
 from realitygap.reality.rays import DEFAULT_RAYS, rays_name
 from realitygap.studies.blind.conditions.battery import run_matrix
 from realitygap.studies.blind.conditions.matrix import matrix_config
-from realitygap.studies.blind.directory import BlindDirectory
+from realitygap.studies.blind.directory import BlindDirectory, do_missing
 from realitygap.studies.blind.examiner import ask
-from realitygap.studies.blind.known import known_effects
-from realitygap.studies.blind.missing import do_missing
 from realitygap.studies.blind.record import Diagnosed, run_trial
 from realitygap.studies.blind.report import write_report
 from realitygap.studies.blind.summary import summarise
 from realitygap.studies.blind.trials import BlindConfig, blind_config, plan
 from realitygap.studies.diagnosis.references import lasting_reference, reference_files
+from realitygap.studies.hidden.menu import MENU
 from realitygap.studies.plumbing.execution import Workers
 from realitygap.studies.plumbing.output import whole_file
 from realitygap.studies.plumbing.provenance import write_json
+
+
+def known_effects() -> tuple[str, ...]:
+    """Names in the menu's order."""
+    return tuple(name for name in MENU if name in every_cause())
 
 
 def blind(

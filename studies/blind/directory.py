@@ -3,23 +3,27 @@
 battery.json             configuration without the number of trials, and versions
 trials/NNNNN/trial.json  what was hidden, what the diagnosis answered; its manifest beside it
 blind.json, figures/, report.html   made from the trials
+
+What a battery lacks is done: each trial by a worker, and kept as it ends.
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from pydantic import BaseModel
 
+from realitygap.studies.blind.record import Diagnosed, Task
 from realitygap.studies.blind.trials import Trial
-from realitygap.studies.plumbing.manifest import Pieces
-from realitygap.studies.plumbing.output import whole_file
-from realitygap.studies.plumbing.provenance import as_json_bytes, versions, write_json
-from realitygap.studies.plumbing.resumed import begun_with, check_ours, check_same, locked
+from realitygap.studies.plumbing.execution import Unfinished, Workers
+from realitygap.studies.plumbing.manifest import Pieces, made
+from realitygap.studies.plumbing.progress import Progress
+from realitygap.studies.plumbing.provenance import as_json_bytes
+from realitygap.studies.plumbing.resumed import resumed
 
 TRIAL = "trial.json"
 Config = TypeVar("Config", bound=BaseModel)
@@ -40,9 +44,8 @@ class BlindDirectory(Generic[Config]):
             InputError: it belongs to another battery or program, to something else, or is in use;
                 or what says so is damaged.
         """
-        check_ours(self.out, "battery.json", "trials", "a battery")
-        with locked(self.out, "trials", "a battery"):
-            self._resume()
+        asked = self.config.model_dump(mode="json", exclude={"trials"})  # more may be asked for
+        with resumed(self.out, "battery.json", "trials", "a battery", asked):
             yield self
 
     def pending(self, note: Callable[[str], None] = lambda line: None) -> list[Trial]:
@@ -68,12 +71,51 @@ class BlindDirectory(Generic[Config]):
             for trial in self.trials
         ]
 
-    def _resume(self) -> None:
-        """More trials may be asked for than before, nothing else may differ."""
-        asked = {**self.config.model_dump(mode="json", exclude={"trials"}), **versions()}
-        path = self.out / "battery.json"
-        if path.exists():
-            check_same(self.out, begun_with(path, dict[str, Any], "a battery"), asked)
-            return
-        with whole_file(path) as part:
-            write_json(part, asked)
+
+class TrialsFailed(Unfinished):
+    """Some trials could not be recorded; the others are kept."""
+
+
+def do_missing(
+    directory: BlindDirectory[Any],
+    workers: Workers,
+    quiet: bool,
+    diagnosed: Diagnosed,
+    work: Callable[[Task], dict[str, Any]],
+) -> None:
+    """Do the trials that are missing.
+
+    Args:
+        directory: Held.
+        workers: Where.
+        quiet: Say nothing.
+        diagnosed: What diagnoses; importable.
+        work: What a worker does with a trial.
+
+    Raises:
+        TrialsFailed: trials raised errors of their own.
+        WorkersLost: workers keep dying.
+    """
+    flaws: list[str] = []
+    tasks = [Task(trial, diagnosed) for trial in directory.pending(flaws.append)]
+    if not tasks:
+        return
+    failures = []
+    total = sum(task.trial.seconds for task in tasks)
+    done = 0.0
+    with (
+        Progress("trials", total, quiet) as shown,
+        closing(made(work, tasks, workers, note=shown.say)) as finished,
+    ):
+        for flaw in flaws:
+            shown.say(flaw)
+        for one in finished:
+            trial = one.task.trial
+            done += trial.seconds
+            if one.value is None:
+                failures.append(f"trial {trial.name}: {one.error}")
+            else:
+                directory.keep(trial, one.value)
+            shown.reach(done)
+    if failures:
+        raise TrialsFailed(f"{len(failures)} trials failed, first {failures[0]}")

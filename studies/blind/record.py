@@ -18,7 +18,7 @@ from realitygap.studies.blind.trials import Trial
 from realitygap.studies.blind.unlisted import UNLISTED
 from realitygap.studies.plumbing.lifetime import tied
 from realitygap.studies.plumbing.rooms import scratch
-from realitygap.studies.run.experiment import ANONYMOUS, simulate
+from realitygap.studies.run.experiment import ANONYMOUS, RunConfig, simulate
 
 COMMAND = (sys.executable, "-c", "from realitygap.studies.cli import main; main()", "diagnose")
 """`realitygap diagnose`, by this interpreter."""
@@ -36,16 +36,20 @@ class Task:
 
 
 def run_trial(task: Task) -> dict[str, Any]:
-    """Record, forget what was hidden, diagnose. Executed by a worker.
+    """Record, forget what was hidden, diagnose: see `answered`. Executed by a worker."""
+    trial = task.trial
+    return answered(task, lambda given: record(trial.run, trial.specs, given / LOG))
+
+
+def answered(task: Task, write: Callable[[Path], None]) -> dict[str, Any]:
+    """What is said of a trial whose log `write` puts into an empty directory.
 
     Returns:
         `diagnosis` (None if it failed), `error`, and s of wall time of both parts.
     """
-    with scratch() as room:
-        given = room / "given"
-        given.mkdir()
+    with scratch() as given:
         began = time.perf_counter()
-        record(task.trial, room / "run", given / LOG)
+        write(given)
         recorded = time.perf_counter()
         diagnosis, error = task.diagnosed(given, task.trial.withheld)
         return {
@@ -56,13 +60,11 @@ def run_trial(task: Task) -> dict[str, Any]:
         }
 
 
-def record(trial: Trial, run: Path, log: Path) -> None:
-    """Simulate in directory `run`, which is gone before anybody diagnoses `log`."""
-    run.mkdir()
-    specs = tuple(one.spec for one in trial.hidden)
-    simulate(trial.run, specs, run, unlisted=UNLISTED, name=ANONYMOUS)
-    shutil.move(run / LOG, log)
-    shutil.rmtree(run)
+def record(config: RunConfig, effects: tuple[str, ...], log: Path) -> None:
+    """Simulate with something hidden and keep `log` alone, which does not say what run it is of."""
+    with scratch() as run:
+        simulate(config, effects, run, unlisted=UNLISTED, name=ANONYMOUS)
+        shutil.move(run / LOG, log)
 
 
 def diagnose(

@@ -1,21 +1,53 @@
-"""`blind.json`: every score of a battery, from its trials."""
+"""`blind.json`: every score of a battery, from its trials.
+
+Leave-one-out: an effect of the catalogue is hidden, and the diagnosis must do without its cause.
+Every effect becomes an unknown, of which everything else is known. The battery's menu says which
+measured quantities such an unknown follows.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from realitygap.studies.blind.directory import BlindDirectory
-from realitygap.studies.blind.left_out import quantity_right, unknowns
 from realitygap.studies.blind.limits import LENGTH, detection_limit, share
 from realitygap.studies.blind.scoring import CANNOT_TELL, Score, of_robots, outcome, score
 from realitygap.studies.blind.trials import ENTRIES, BlindConfig, Trial
 from realitygap.studies.hidden.menu import MENU
 from realitygap.studies.plumbing.provenance import versions
+
+
+def quantity_right(
+    follows: frozenset[str], trial: Trial, diagnosis: Mapping[str, Any] | None
+) -> bool:
+    """Whether what is said to be unexplained, of robots that have it, follows the right thing."""
+    robots = {robot for one in trial.hidden for robot in one.robots}
+    return any(
+        one.get("quantity") in follows
+        for one in (() if diagnosis is None else diagnosis.get("unexplained", ()))
+        if one.get("robots", "all") == "all" or not robots or robots & set(one["robots"])
+    )
+
+
+def unknowns(scored: Sequence[tuple[Score, bool]]) -> dict[str, Any]:
+    """How effects without a name fare: (score, whether the quantity is right) of each."""
+    return {
+        "flagged_unexplained": _share_of([s.verdict == "unexplained" for s, _ in scored]),
+        "wrong_name_alone": _share_of(
+            [bool(s.wrong) and s.verdict != "unexplained" for s, _ in scored]
+        ),
+        "quantity_right": _share_of([right for _, right in scored]),
+    }
+
+
+def _share_of(flags: Sequence[bool]) -> dict[str, float | int | None]:
+    return share(sum(flags), len(flags))
+
 
 SCHEMA = 1
 ABSTAINED = ("ambiguous", "unexplained", "nothing_wrong", CANNOT_TELL, "failed")

@@ -142,6 +142,11 @@ class Trial:
     """Robots that a score is about; None: all."""
 
     @property
+    def specs(self) -> tuple[str, ...]:
+        """What is hidden, as `--effect` takes it."""
+        return tuple(one.spec for one in self.hidden)
+
+    @property
     def withheld(self) -> tuple[str, ...]:
         """Causes that the diagnosis must do without."""
         return tuple(one.name for one in self.hidden) if self.kind == "left_out" else ()
@@ -244,13 +249,10 @@ def _hide(
         strong = kind in ("pair", "unlisted", "left_out")
         size = _size(config, name, bar, drawn[name] + seen[name], strong)
         seen[name] += 1
-        values = {
-            key: float(value) if isinstance(value, int | float) else str(value)
-            for key, value in entry.values(size, random).items()
-        }
         everyone = swarm or not EFFECTS[name].per_robot
         multiple = size / bar if bar else 1.0
-        hidden.append(Hidden(name, values, () if everyone else (robot,), size, multiple))
+        values, robots_of = entry.drawn(size, random), () if everyone else (robot,)
+        hidden.append(Hidden(name, values, robots_of, size, multiple))
     return tuple(hidden)
 
 

@@ -13,18 +13,15 @@ import numpy as np
 
 from realitygap.reality import constants as k
 from realitygap.reality.effects import Effect, Key
-from realitygap.reality.effects.effect import WHEEL, Robots, Value, number, wheels
-from realitygap.reality.hardware import FloatArray, Hardware
-from realitygap.reality.laws import WheelLaw
-
-Apply = Callable[[Hardware, Robots, Mapping[str, Value]], None]
+from realitygap.reality.effects.effect import WHEEL, Robots, Values, effect, number, wheels
+from realitygap.reality.hardware import FloatArray, Hardware, WheelLaw
 
 SHARE = Key(low=0.0, high=0.9, null=0.0)
 REACH = 0.05
 """m over which `shy_robots` feel one another; our choice."""
 
 
-def _amount(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> FloatArray:
+def _amount(hardware: Hardware, robots: Robots, values: Values) -> FloatArray:
     """(robots, 1) share that each robot loses."""
     amount: FloatArray = np.zeros((hardware.robots, 1))
     amount[robots] = number(values, "share")
@@ -39,7 +36,14 @@ def _turned_by(hardware: Hardware, law: WheelLaw) -> None:
     )
 
 
-def _eccentric(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
+@effect(
+    kind="motion",
+    physics="the hub is off the wheel's middle: its speed changes as it turns",
+    share=SHARE,
+    wheel=WHEEL,
+)
+def eccentric_wheel(hardware: Hardware, robots: Robots, values: Values) -> None:
+    """A wheel whose hub is off its middle."""
     amount: FloatArray = np.zeros((hardware.robots, 2))
     amount[robots, wheels(values)] = number(values, "share")
     _turned_by(
@@ -47,22 +51,26 @@ def _eccentric(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) 
     )
 
 
-def _slower_where(where: Callable[[FloatArray], FloatArray]) -> Apply:
+def _slower_where(
+    hardware: Hardware, robots: Robots, values: Values, where: Callable[[FloatArray], FloatArray]
+) -> None:
     """Wheels of the chosen robots lose a share of speed in proportion to `where` (robots,)."""
-
-    def apply(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
-        amount = _amount(hardware, robots, values)
-        _turned_by(
-            hardware,
-            lambda speeds, angles, poses, time: speeds * (1.0 - amount * where(poses)[:, None]),
-        )
-
-    return apply
+    amount = _amount(hardware, robots, values)
+    _turned_by(
+        hardware,
+        lambda speeds, angles, poses, time: speeds * (1.0 - amount * where(poses)[:, None]),
+    )
 
 
-def _on_carpet(poses: FloatArray) -> FloatArray:
-    """1 on the half of the floor that has a carpet."""
-    return np.asarray(poses[:, 1] > 0.0, dtype=np.float64)
+@effect(
+    kind="motion",
+    physics="wheels turn slower on the left half of the floor",
+    per_robot=False,
+    share=SHARE,
+)
+def carpet(hardware: Hardware, robots: Robots, values: Values) -> None:
+    """A carpet on half of the floor."""
+    _slower_where(hardware, robots, values, lambda poses: (poses[:, 1] > 0.0).astype(float))
 
 
 def _crowded(poses: FloatArray) -> FloatArray:
@@ -73,7 +81,19 @@ def _crowded(poses: FloatArray) -> FloatArray:
     return np.asarray(np.exp(-gap / REACH))
 
 
-def _fast(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
+@effect(kind="motion", physics="wheels turn slower near another robot", share=SHARE)
+def shy_robots(hardware: Hardware, robots: Robots, values: Values) -> None:
+    """Robots that slow down near others."""
+    _slower_where(hardware, robots, values, _crowded)
+
+
+@effect(
+    kind="motion",
+    physics="the faster a wheel is told to turn, the larger the share it loses",
+    share=SHARE,
+)
+def speed_loss(hardware: Hardware, robots: Robots, values: Values) -> None:
+    """Wheels that lose speed where they are fast."""
     amount = _amount(hardware, robots, values)
     _turned_by(
         hardware,
@@ -83,7 +103,14 @@ def _fast(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> No
     )
 
 
-def _lens(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
+@effect(
+    kind="motion",
+    physics="the tracker's lens pulls what is far from the middle inwards",
+    per_robot=False,
+    share=SHARE,
+)
+def lens(hardware: Hardware, robots: Robots, values: Values) -> None:
+    """A tracker whose lens was not calibrated."""
     share = number(values, "share")
 
     def bend(poses: FloatArray) -> FloatArray:
@@ -95,78 +122,36 @@ def _lens(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> No
     hardware.laws.tracker = bend
 
 
-def _sun(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
+@effect(
+    kind="infrared",
+    physics="sensors that look one way read infrared from outside",
+    per_robot=False,
+    counts=Key(unit="counts", low=0.0, high=4095.0, null=0.0),
+    direction=Key(unit="rad", low=-math.pi, high=math.pi),
+)
+def low_sun(hardware: Hardware, robots: Robots, values: Values) -> None:
+    """A sun that stands low."""
     counts, direction = number(values, "counts"), number(values, "direction")
     hardware.laws.infrared = lambda directions, poses: (
         counts * np.maximum(np.cos(directions - direction), 0.0)
     )
 
 
-def _flicker(hardware: Hardware, robots: Robots, values: Mapping[str, Value]) -> None:
+@effect(
+    kind="light",
+    physics="the lamp's power swings with time",
+    per_robot=False,
+    share=SHARE,
+    period=Key(unit="s", low=0.1, high=1000.0),
+)
+def flicker(hardware: Hardware, robots: Robots, values: Values) -> None:
+    """A lamp that flickers."""
     share, period = number(values, "share"), number(values, "period")
     hardware.laws.lamp = lambda time: 1.0 + share * math.sin(2.0 * math.pi * time / period)
 
 
-def _in_motion(name: str, physics: str, apply: Apply, *, per_robot: bool = True) -> Effect:
-    """An effect on motion whose size is a share."""
-    return Effect(
-        name=name,
-        kind="motion",
-        physics=physics,
-        parameters={"share": SHARE},
-        apply=apply,
-        per_robot=per_robot,
-    )
-
-
 UNLISTED: Mapping[str, Effect] = {
-    effect.name: effect
-    for effect in (
-        Effect(
-            name="eccentric_wheel",
-            kind="motion",
-            physics="the hub is off the wheel's middle: its speed changes as it turns",
-            parameters={"share": SHARE, "wheel": WHEEL},
-            apply=_eccentric,
-        ),
-        _in_motion(
-            "carpet",
-            "wheels turn slower on the left half of the floor",
-            _slower_where(_on_carpet),
-            per_robot=False,
-        ),
-        _in_motion("shy_robots", "wheels turn slower near another robot", _slower_where(_crowded)),
-        _in_motion(
-            "speed_loss", "the faster a wheel is told to turn, the larger the share it loses", _fast
-        ),
-        _in_motion(
-            "lens",
-            "the tracker's lens pulls what is far from the middle inwards",
-            _lens,
-            per_robot=False,
-        ),
-        Effect(
-            name="low_sun",
-            kind="infrared",
-            physics="sensors that look one way read infrared from outside",
-            parameters={
-                "counts": Key(unit="counts", low=0.0, high=4095.0, null=0.0),
-                "direction": Key(unit="rad", low=-math.pi, high=math.pi),
-            },
-            apply=_sun,
-            per_robot=False,
-        ),
-        Effect(
-            name="flicker",
-            kind="light",
-            physics="the lamp's power swings with time",
-            parameters={
-                "share": SHARE,
-                "period": Key(unit="s", low=0.1, high=1000.0),
-            },
-            apply=_flicker,
-            per_robot=False,
-        ),
-    )
+    one.name: one
+    for one in (eccentric_wheel, carpet, shy_robots, speed_loss, lens, low_sun, flicker)
 }
 """By name."""

@@ -1,4 +1,4 @@
-"""The command line, `realitygap`: one module per command; heavy imports wait until one runs."""
+"""The command line, `realitygap`: a module per few commands; heavy imports wait until one runs."""
 
 from __future__ import annotations
 
@@ -25,25 +25,20 @@ app = typer.Typer(
 
 COMMANDS = (
     "demo",
-    "run",
     "capture",
     "import_",
     "model",
     "gap",
     "replay",
     "study",
-    "transfer",
     "reference",
     "diagnose",
-    "experiment",
     "gain",
     "effects",
-    "laws",
-    "rules",
     "blind",
     "measure",
 )
-"""Modules of this package; importing one adds its command to `app`."""
+"""Modules of this package; importing one adds its commands to `app`."""
 
 _UsageError: Any = typer.BadParameter.__base__
 """Typer's error for wrong words on the command line; it exports only this child of it."""

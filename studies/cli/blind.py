@@ -21,8 +21,7 @@ from realitygap.studies.cli.options import (
     out_option,
     within,
 )
-from realitygap.studies.cli.outcome import Outcome, command
-from realitygap.studies.cli.resume import resumable
+from realitygap.studies.cli.outcome import Outcome, command, resumable
 
 
 @command(app, epilog="Example: realitygap blind --trials 60 --seed 3 --out out/blind")

@@ -12,10 +12,8 @@ from realitygap.studies.cli import app
 from realitygap.studies.cli.options import Force, Out, Quiet, Seed
 from realitygap.studies.cli.outcome import Outcome, command
 
-EXAMPLE = """Example: realitygap capture --from infrared.csv --out mine.npz"""
 
-
-@command(app, epilog=EXAMPLE)
+@command(app, epilog="Example: realitygap capture --from infrared.csv --out mine.npz")
 def capture(
     out: Out,
     from_: Annotated[

@@ -21,8 +21,7 @@ from realitygap.studies.cli.options import (
     Seed,
     within,
 )
-from realitygap.studies.cli.outcome import Outcome, command
-from realitygap.studies.cli.say import say
+from realitygap.studies.cli.outcome import Outcome, command, say
 
 EXAMPLE = (
     "Example: realitygap gain --log out/odd --extended out/odd-diagnosis/extended.toml "

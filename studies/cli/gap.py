@@ -12,10 +12,8 @@ from realitygap.studies.cli import app
 from realitygap.studies.cli.options import Force, Model, Out, Quiet, Seed
 from realitygap.studies.cli.outcome import Outcome, command
 
-EXAMPLE = """Example: realitygap gap out/run1 --out out/gap1"""
 
-
-@command(app, epilog=EXAMPLE)
+@command(app, epilog="Example: realitygap gap out/run1 --out out/gap1")
 def gap(
     log: Annotated[Path, typer.Argument(help="Measured log, or the directory of a run or study.")],
     out: Out,

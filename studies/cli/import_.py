@@ -10,15 +10,12 @@ import typer
 import realitygap as rg
 from realitygap.studies.cli import app
 from realitygap.studies.cli.options import Force, Quiet, out_option
-from realitygap.studies.cli.outcome import Outcome, command
-from realitygap.studies.cli.say import say_all
+from realitygap.studies.cli.outcome import Outcome, command, say_all
 
 FORMATS = ("csv", "rosbag", "mcap", "tum", "euroc", "lerobot", "optiodom", "mrclam")
 
-EXAMPLE = """Example: realitygap import csv mine.csv --out log.parquet"""
 
-
-@command(app, name="import", epilog=EXAMPLE)
+@command(app, name="import", epilog="Example: realitygap import csv mine.csv --out log.parquet")
 def import_(
     format_: Annotated[str, typer.Argument(metavar="FORMAT", help=", ".join(FORMATS) + ".")],
     source: Annotated[list[Path], typer.Argument(help="Directory or files of that format.")],

@@ -21,9 +21,7 @@ from realitygap.studies.cli.options import (
     StudyOut,
     within,
 )
-from realitygap.studies.cli.outcome import Outcome, command
-from realitygap.studies.cli.resume import resumable
-from realitygap.studies.cli.say import say
+from realitygap.studies.cli.outcome import Outcome, command, resumable, say
 
 measure = typer.Typer(
     name="measure",

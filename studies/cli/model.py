@@ -9,10 +9,7 @@ import typer
 
 import realitygap as rg
 from realitygap.studies.cli import app
-from realitygap.studies.cli.outcome import Outcome, command
-from realitygap.studies.cli.say import say_all
-
-EXAMPLE = """Example: realitygap model new --wheel-radius 0.033 --axle 0.16 > tb3.toml"""
+from realitygap.studies.cli.outcome import Outcome, command, say_all
 
 models = typer.Typer(no_args_is_help=True, help="Model files of robots.")
 app.add_typer(models, name="model")
@@ -23,7 +20,7 @@ def _group() -> None:
     """Model files of robots."""
 
 
-@command(models, epilog=EXAMPLE)
+@command(models, epilog="Example: realitygap model new --wheel-radius 0.033 --axle 0.16 > tb3.toml")
 def new(
     wheel_radius: Annotated[float, typer.Option(help="m.")],
     axle: Annotated[float, typer.Option(help="m between the wheels' ground contacts.")],

@@ -1,12 +1,12 @@
-"""How every command ends: with its result in one line and where its page is, or as JSON."""
+"""How every command speaks and ends: its result in one line and where its page is, or as JSON."""
 
 from __future__ import annotations
 
 import inspect
 import logging
 import sys
-from collections.abc import Callable, Sequence
-from contextlib import nullcontext, redirect_stdout
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext, redirect_stdout
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
@@ -14,8 +14,23 @@ from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, cast
 
 import typer
 
+import realitygap as rg
 from realitygap.embedded_sim.errors import InputError, nearest, shown
-from realitygap.studies.cli.say import LONGEST_LINE, say_all
+
+LONGEST_LINE = 2000
+"""Letters of a line: our own are shorter, and what they quote may be of any length."""
+
+
+def say(line: str, *, err: bool = False) -> None:
+    """Print a line, with what is not printable escaped."""
+    typer.echo(shown(line, LONGEST_LINE), err=err)
+
+
+def say_all(lines: Iterable[str]) -> None:
+    """Print lines."""
+    for line in lines:
+        say(line)
+
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -135,3 +150,13 @@ def _listen(level: str) -> None:
         raise InputError("--log-level", repr(level), nearest(level, LEVELS))
     form = "%(levelname)s %(name)s: %(message)s"
     logging.basicConfig(level=level.upper(), format=form, force=True)
+
+
+@contextmanager
+def resumable() -> Iterator[None]:
+    """Turn work that ended before it was whole into one line and exit code 1."""
+    try:
+        yield
+    except rg.Unfinished as error:
+        say(f"realitygap: {error}; start the command again to go on", err=True)
+        raise typer.Exit(1) from None

@@ -1,7 +1,8 @@
-"""`realitygap study`: the paper's whole study, and the study of how its text may be read."""
+"""`realitygap study`: the paper's study, how its text may be read, what food a model brings."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -11,6 +12,7 @@ from realitygap.studies.cli import app
 from realitygap.studies.cli.options import (
     MOST_RUNS,
     Engine,
+    Genome,
     Jobs,
     Minutes,
     OnBoard,
@@ -20,10 +22,10 @@ from realitygap.studies.cli.options import (
     Scheduler,
     Seed,
     StudyOut,
+    Trials,
     within,
 )
-from realitygap.studies.cli.outcome import Outcome, command, records
-from realitygap.studies.cli.resume import resumable
+from realitygap.studies.cli.outcome import Outcome, command, records, resumable
 
 study = typer.Typer(
     name="study",
@@ -127,3 +129,66 @@ def studied(found: rg.StudyResult) -> Outcome:
     tables = {name: records(one) for name, one in found.tables.items() if name != "generations"}
     result = {"outcome": found.outcome, "path": str(found.path), "tables": tables}
     return Outcome(result, found.outcome, found.path / "report.html")
+
+
+@command(
+    study,
+    epilog="Example: realitygap study transfer --effect window-at-nest --runs 3 --out out/transfer",
+)
+def transfer(
+    out: StudyOut,
+    effect: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="window-at-nest, window-opposite, lamp-moved-45, lamp-moved-90, lamp-moved-135, "
+            "half-blind, slow-left-wheel, latency, small-wheels (all if absent), or a SPEC as "
+            "`run --effect` takes it; repeatable."
+        ),
+    ] = None,
+    case: Annotated[str, typer.Option(help="Light under which SPECs are tried.")] = "light-at-nest",
+    extended: Annotated[
+        Path | None,
+        typer.Option(help="Extended model on board; diagnosed from a recorded log if absent."),
+    ] = None,
+    runs: Annotated[
+        int, typer.Option(callback=within(1, MOST_RUNS), help="Paired runs of each model.")
+    ] = 10,
+    bars: Annotated[
+        int, typer.Option(callback=within(0, MOST_RUNS), help="Runs of each fixed controller.")
+    ] = 3,
+    minutes: Minutes = 20.0,
+    trials: Trials = 16,
+    genome: Genome = "paper",
+    robots: Robots = 10,
+    seed: Seed = 0,
+    engine: Engine = "pybullet",
+    rays: Rays = "closed",
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+    quiet: Quiet = False,
+) -> Outcome:
+    """Co-evolve in altered reality with the minimal, the extended and the oracle model on board.
+
+    Writes transfer.json, transfer.csv, runs.csv, figures/ and report.html. Stopped or killed, the
+    same command goes on with the runs that are missing.
+    """
+    with resumable():
+        found = rg.study.transfer(
+            out,
+            effects=effect or (),
+            case=case,
+            extended=extended,
+            runs=runs,
+            bars=bars,
+            minutes=minutes,
+            trials=trials,
+            genome=genome,
+            robots=robots,
+            seed=seed,
+            engine=engine,
+            rays=rays,
+            jobs=jobs,
+            scheduler=scheduler,
+            quiet=quiet,
+        )
+    return studied(found)

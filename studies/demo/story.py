@@ -12,7 +12,7 @@ from realitygap.reality.engine import DEFAULT, EngineName
 from realitygap.reality.rays import DEFAULT_RAYS, RaysName
 from realitygap.studies.blind.scoring import Score
 from realitygap.studies.demo.hide import Secret
-from realitygap.studies.fitness_gap.by_third import coevolution_gap
+from realitygap.studies.fitness_gap.generations import coevolution_gap
 from realitygap.studies.gain.result import GainResult
 from realitygap.studies.run.altered import Files
 

@@ -8,9 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from realitygap.embedded_sim.errors import InputError, nearest
-from realitygap.models.belief.catalogue import every_cause
-from realitygap.models.belief.withheld import where
-from realitygap.models.belief.withheld import without as withholding
+from realitygap.models.belief.catalogue import every_cause, where
+from realitygap.models.belief.catalogue import without as withholding
 from realitygap.models.naming.channels.motion.diagnose import diagnose as diagnose_motion
 from realitygap.models.naming.channels.senses.joined import WholeExamination, with_senses
 from realitygap.models.naming.diagnosis import as_json, extension

@@ -18,9 +18,8 @@ from realitygap.models.log.opened import json_values
 from realitygap.models.naming.proposal.expected import Flown, flown
 from realitygap.models.naming.proposal.ground import Ground
 from realitygap.models.naming.proposal.menu import flight
-from realitygap.studies.diagnosis.plan import ProposingTable
+from realitygap.studies.diagnosis.plan import ProposingTable, topics_of, write_twists
 from realitygap.studies.diagnosis.result import FILE, DiagnosisResult
-from realitygap.studies.diagnosis.twists import topics_of, write_twists
 from realitygap.studies.inputs.model import Model
 from realitygap.studies.pages.notebook import Telling, new_axes, rows_table
 from realitygap.studies.plumbing.output import whole_directory, whole_file
@@ -116,7 +115,6 @@ class ProposedExperiment(Telling):
             write_twists(part, self.commands, self.model.file.nominal_drive)
 
     def told(self) -> tuple[str, str, str]:
-        """As `Telling`."""
         return f"Experiment: {self.content['manoeuvre']}", "\n".join(self.lines), ".commands"
 
     @property

@@ -15,8 +15,7 @@ from realitygap.models.naming.diagnosis import Verdict
 from realitygap.studies.diagnosis.words import verdict_sentence
 from realitygap.studies.inputs.logs import Log
 from realitygap.studies.inputs.model import Model
-from realitygap.studies.pages.notebook import Telling, new_axes, rows_table
-from realitygap.studies.plumbing.output import whole_directory
+from realitygap.studies.pages.notebook import Telling, WrittenResult, new_axes, rows_table
 from realitygap.studies.plumbing.provenance import write_json
 
 if TYPE_CHECKING:
@@ -28,8 +27,10 @@ LAW = ("equation", "reading", "channel", "of", "shape")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DiagnosisResult(Telling):
+class DiagnosisResult(WrittenResult, Telling):
     """What is wrong with the robots of a log, and the model that knows of it."""
+
+    holds = FILE
 
     content: Mapping[str, Any]
     """Of `diagnosis.json`."""
@@ -131,21 +132,8 @@ class DiagnosisResult(Telling):
         columns = [one.name for one in fields(PreflightEntry)]
         return rows_table(self.content["log"]["preflight"], columns, ("low", "high"))
 
-    def write(self, out: Path | str, *, force: bool = False) -> None:
-        """Write diagnosis.json, extended.toml and report.html into a new directory.
-
-        Args:
-            out: The directory.
-            force: Replace a diagnosis that is there.
-
-        Raises:
-            InputError: `out` is there already or cannot be written.
-        """
-        with whole_directory(Path(out), force=force, holds=(FILE,)) as part:
-            self.keep(part)
-
     def keep(self, folder: Path) -> None:
-        """Write the same files into a directory that is there."""
+        """Write diagnosis.json, extended.toml and report.html into a directory that is there."""
         from realitygap.studies.diagnosis.report import Findings, write_report
 
         write_json(folder / FILE, dict(self.content))
@@ -186,7 +174,6 @@ class DiagnosisResult(Telling):
         return axes
 
     def told(self) -> tuple[str, str, str]:
-        """As `Telling`."""
         return f"Diagnosis: {self.verdict}", self.sentence, ".causes .detectable .gain .extended"
 
 

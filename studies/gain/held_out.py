@@ -2,31 +2,88 @@
 
 With effects, fresh runs of the altered reality and their healthy twins; without, those of the logs
 that the extension was not named from. Logs of robots known to be sound stand beside either.
+
+What was hidden is known where somebody says so: from SPECs, or from the `truth.json` beside a run.
 """
 
 from __future__ import annotations
 
+import json
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from pydantic import ValidationError
 
 from realitygap.embedded_sim.errors import InputError
+from realitygap.models.belief.catalogue import every_cause
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.named import numbered
 from realitygap.models.log.opened import json_values, parsing
 from realitygap.models.log.schema import coerce
-from realitygap.reality.effects import HiddenEffect, parse_effects
-from realitygap.studies.gain.compared import Compared
-from realitygap.studies.gain.request import GainRequest
+from realitygap.reality.effects import HiddenEffect, catalogue, parse_effects
+from realitygap.reality.effects.spec import parse, spec_of
+from realitygap.studies.gain.request import Compared, GainRequest
 from realitygap.studies.gain.runs import HEALTHY, Given, HeldOut, Recorded, plan
-from realitygap.studies.gain.truth import concerned, hidden_in, told, true_model
+from realitygap.studies.hidden.shares import oracle
 from realitygap.studies.inputs.logs import Source, log_hash, read_logs
 from realitygap.studies.inputs.placed import placed
 from realitygap.studies.run.settings import run_config
+
+TRUTH = "truth.json"
+EXPECTED = "the truth.json of a run"
+ANY = 10**9
+"""More robots than a run can have: which of them there are is not in the file."""
+
+
+def hidden_in(run: Path) -> tuple[HiddenEffect, ...] | None:
+    """What a run's `truth.json` says; None where there is none, as in a lab, or where it tells of
+    something that no catalogue lists.
+
+    Raises:
+        InputError: it is no such file.
+    """
+    path = run / TRUTH
+    if not os.path.lexists(path):
+        return None
+    told = json_values(path, EXPECTED)
+    with parsing(str(path), EXPECTED):
+        effects = list(told["effects"])
+        if any(one["name"] not in catalogue() for one in effects):
+            return None
+        try:
+            return tuple(parse(spec_of(one), catalogue(), ANY) for one in effects)
+        except InputError as error:
+            raise InputError(str(path), error, EXPECTED) from None
+
+
+def told(hidden: Sequence[HiddenEffect]) -> str:
+    """What is hidden as one line, the same for the same."""
+    return json.dumps([one.truth() for one in hidden], sort_keys=True)
+
+
+def concerned(hidden: Sequence[HiddenEffect]) -> set[int] | None:
+    """Robots that something was hidden in; None: all of them."""
+    if any(not one.robots for one in hidden):
+        return None
+    return {robot for one in hidden for robot in one.robots}
+
+
+def true_model(plain: ModelFile, hidden: Sequence[HiddenEffect]) -> ModelFile | None:
+    """The model with the true parameters; None where the point model has no term for an effect, or
+    none of that size."""
+    causes = [every_cause().get(one.effect.name) for one in hidden]
+    if any(cause is None or not cause.identifiable for cause in causes):
+        return None
+    try:
+        return plain.model_copy(update={"extension": oracle(hidden)})
+    except ValidationError:
+        return None
+
 
 ROBOTS = 10
 """Of a recorded run, where no log says how many there are."""

@@ -14,11 +14,10 @@ from realitygap.models.belief.extension import Extension
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.reality.engine import DEFAULT, engine_name
 from realitygap.reality.rays import DEFAULT_RAYS, rays_name
-from realitygap.studies.gain.compared import compared
 from realitygap.studies.gain.food import FILE as FOOD
 from realitygap.studies.gain.food import read_transfer
 from realitygap.studies.gain.held_out import choose
-from realitygap.studies.gain.request import GainRequest
+from realitygap.studies.gain.request import GainRequest, compared
 from realitygap.studies.gain.result import FILE, GainResult
 from realitygap.studies.gain.runs import HEALTHY, Given, Recorded, measure_given, measure_recorded
 from realitygap.studies.gain.weigh import weigh

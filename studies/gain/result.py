@@ -11,8 +11,7 @@ import pandas as pd
 
 from realitygap.models.log.measured import write_table
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE
-from realitygap.studies.pages.notebook import Telling, new_axes
-from realitygap.studies.plumbing.output import whole_directory
+from realitygap.studies.pages.notebook import Telling, WrittenResult, new_axes
 from realitygap.studies.plumbing.provenance import write_json
 
 if TYPE_CHECKING:
@@ -23,8 +22,10 @@ ESTIMATES = (BEFORE, HEALTHY, EXTENDED, ORACLE, "reducible", "remains", "over_he
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GainResult(Telling):
+class GainResult(WrittenResult, Telling):
     """How much better an extended model predicts runs that nothing was named from."""
+
+    holds = FILE
 
     content: Mapping[str, Any]
     """Of `gain.json`."""
@@ -62,21 +63,8 @@ class GainResult(Telling):
         """Mean errors of every run: `run`, `kind`, `channel`, `horizon`, `unit`, one per model."""
         return pd.DataFrame(self.content["by_run"])
 
-    def write(self, out: Path | str, *, force: bool = False) -> None:
-        """Write gain.json, errors.parquet and report.html into a new directory.
-
-        Args:
-            out: The directory.
-            force: Replace a gain that is there.
-
-        Raises:
-            InputError: `out` is there already or cannot be written.
-        """
-        with whole_directory(Path(out), force=force, holds=(FILE,)) as part:
-            self.keep(part)
-
     def keep(self, folder: Path) -> None:
-        """Write the same files into a directory that is there."""
+        """Write gain.json, errors.parquet and report.html into a directory that is there."""
         from realitygap.studies.gain.report import write_report
 
         write_json(folder / FILE, dict(self.content))
@@ -103,5 +91,4 @@ class GainResult(Telling):
         return axes
 
     def told(self) -> tuple[str, str, str]:
-        """As `Telling`."""
         return "Gain", "\n".join(self.summary), ".errors .by_run .table"

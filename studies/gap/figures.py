@@ -11,12 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from realitygap.models.gap.flips import Means
-from realitygap.models.gap.horizons import COLUMNS
 from realitygap.models.gap.motion_gap import UNITS, MotionGap
 from realitygap.models.gap.sensor_gap import SensorGap
-from realitygap.models.gap.whole import LEVEL, Gap
+from realitygap.models.gap.whole import COLUMNS, LEVEL, Gap
 from realitygap.models.log.measured import MeasuredLog
-from realitygap.studies.fitness_gap.by_third import CoevolutionGap
+from realitygap.studies.fitness_gap.generations import CoevolutionGap
 from realitygap.studies.pages.drawing import save, themed
 
 MAPPED = "1 s"

@@ -13,8 +13,12 @@ import pandas as pd
 
 from realitygap.models.gap import whole as replayed
 from realitygap.models.log.measured import SAMPLES, write_table
-from realitygap.studies.fitness_gap.by_third import CoevolutionGap, coevolution_gap
-from realitygap.studies.fitness_gap.generations import find_generations, read_generations
+from realitygap.studies.fitness_gap.generations import (
+    CoevolutionGap,
+    coevolution_gap,
+    find_generations,
+    read_generations,
+)
 from realitygap.studies.gap.figures import draw_coevolution, draw_figures, draw_horizon
 from realitygap.studies.gap.page import write_report
 from realitygap.studies.gap.report import SCHEMA, Tidy, describe, tidy_tables
@@ -22,7 +26,7 @@ from realitygap.studies.gap.words import fitness_line
 from realitygap.studies.inputs.logs import AnyLog, Log, as_log
 from realitygap.studies.inputs.model import AnyModel, Model
 from realitygap.studies.inputs.placed import placed
-from realitygap.studies.pages.notebook import Telling, new_axes
+from realitygap.studies.pages.notebook import Telling, WrittenResult, new_axes
 from realitygap.studies.plumbing.output import whole_directory
 from realitygap.studies.plumbing.progress import unseen
 from realitygap.studies.plumbing.provenance import file_read, versions, write_json
@@ -34,8 +38,10 @@ FILE = "gap.json"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GapResult(Telling):
+class GapResult(WrittenResult, Telling):
     """What a simulation gets wrong about a log."""
+
+    holds = FILE
 
     content: Mapping[str, Any]
     """Of `gap.json`."""
@@ -85,21 +91,8 @@ class GapResult(Telling):
         ]
         return pd.DataFrame(rows, columns=[*names, "noise", "bias", "structured"])
 
-    def write(self, out: Path | str, *, force: bool = False) -> None:
-        """Write gap.json, tidy tables, figures and report.html into a new directory.
-
-        Args:
-            out: The directory.
-            force: Replace a gap that is there.
-
-        Raises:
-            InputError: `out` is there already or cannot be written.
-        """
-        with whole_directory(Path(out), force=force, holds=(FILE,)) as part:
-            self.keep(part)
-
     def keep(self, folder: Path) -> None:
-        """Write the same files into a directory that is there."""
+        """Write gap.json, tidy tables, figures and report.html into a directory that is there."""
         for name, one in self.tidy.items():
             write_table(one.frame, folder / f"{name}.parquet", one.units)
         self.draw(folder)
@@ -125,7 +118,6 @@ class GapResult(Telling):
         return axes
 
     def told(self) -> tuple[str, str, str]:
-        """As `Telling`."""
         look = ".horizons .channels .tables" if "horizons" in self.tidy else ".tables"
         return "Gap", "\n".join(self.summary), look
 

@@ -7,13 +7,12 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from realitygap.models.gap.flips import Means
-from realitygap.models.gap.horizons import COLUMNS
 from realitygap.models.gap.motion_gap import UNITS
 from realitygap.models.gap.shares import Share, explained
-from realitygap.models.gap.whole import LEVEL, TOTAL_LEVEL, Gap
+from realitygap.models.gap.whole import COLUMNS, LEVEL, TOTAL_LEVEL, Gap
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.noise import pose_noise
-from realitygap.studies.fitness_gap.by_third import CoevolutionGap
+from realitygap.studies.fitness_gap.generations import CoevolutionGap
 from realitygap.studies.gap.words import ranked_maps, summary
 
 SCHEMA = 1

@@ -8,7 +8,7 @@ from realitygap.models.gap.flips import Means
 from realitygap.models.gap.shares import Share, explained, telling
 from realitygap.models.gap.whole import LEVEL, TOTAL_LEVEL, Gap
 from realitygap.models.log.measured import MeasuredLog
-from realitygap.studies.fitness_gap.by_third import CoevolutionGap
+from realitygap.studies.fitness_gap.generations import CoevolutionGap
 
 MOST = 10
 """Lines."""

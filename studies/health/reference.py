@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,13 +12,20 @@ import numpy as np
 from realitygap.embedded_sim.errors import InputError
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.embedded_sim.probes import MENU, PREFIX
-from realitygap.models.belief.withheld import where
+from realitygap.models.belief.catalogue import where
+from realitygap.models.belief.senses import Belief
+from realitygap.models.gap.sensor_gap import sensors_to_judge
+from realitygap.models.log.held_out import parts
 from realitygap.models.naming.channels.motion.claims import farthest_error
 from realitygap.models.naming.channels.motion.tracks import Tracks, cut_tracks
+from realitygap.models.naming.channels.senses.robot import SenseLog
+from realitygap.models.naming.channels.senses.sight import look
 from realitygap.models.naming.engine.health import Told
+from realitygap.models.naming.engine.threads import one_thread
 from realitygap.models.naming.health.learned import (
     fit_inherent,
     make_reference,
+    told_by,
     told_of,
     with_errors,
 )
@@ -30,18 +38,53 @@ from realitygap.models.naming.health.reference import (
 from realitygap.models.naming.health.senses import (
     SenseReference,
     beside,
+    make_sense_reference,
     read_sense_reference,
     write_sense_reference,
 )
 from realitygap.reality.engine import DEFAULT, EngineName, engine_name
 from realitygap.reality.rays import DEFAULT_RAYS, RaysName, rays_name
-from realitygap.studies.health.senses import sense_reference_of
 from realitygap.studies.inputs.logs import AnyLog, Source, read_logs, sources
 from realitygap.studies.inputs.model import AnyModel, Model
 from realitygap.studies.plumbing.execution import Workers, processes
 from realitygap.studies.plumbing.output import readable, whole_file
 from realitygap.studies.plumbing.rooms import scratch
 from realitygap.studies.plumbing.typed import option, typed
+
+
+def sense_reference_of(
+    logs: Sequence[Source], model: Model, pool: Executor, *, command: str
+) -> SenseReference | None:
+    """A healthy reference of the senses; None where the model or the logs have no sensors.
+
+    Args:
+        logs: Of healthy robots.
+        model: What is believed of them.
+        pool: What works through the logs.
+        command: What a user would type.
+
+    Raises:
+        InputError: a log cannot be used.
+    """
+    if model.tables is None:
+        return None
+    told = [one for one in pool.map(_told, [(log, model) for log in logs]) if one is not None]
+    if not told:
+        return None
+    return make_sense_reference(told, model=model.name, command=command)
+
+
+@one_thread
+def _told(task: tuple[Source, Model]) -> Told | None:
+    """What one healthy log's readings and answers say; None where it has no sensors."""
+    log, model = task
+    measured, point = read_logs(log, model.file), model.point()
+    if not sensors_to_judge(measured, point):
+        return None
+    seen = SenseLog(measured, point, look(measured, point), of_log=parts(measured))
+    base = [Belief(senses=point.senses)] * len(seen.robots)
+    return told_by(seen.at(range(len(base)), base))
+
 
 SAMPLE = 9
 """Logs, evenly among all, whose median gives the inherent motion: more differ from it no less than
@@ -228,7 +271,7 @@ def _inherent(task: tuple[Source, Model]) -> tuple[str, FloatArray]:
 
 def _terms(task: tuple[Source, Model, FloatArray]) -> Told:
     from realitygap.models.belief.motion import Motion
-    from realitygap.models.naming.health.inherent import INHERENT
+    from realitygap.models.naming.health.reference import INHERENT
 
     log, model, inherent = task
     believed = Motion(drive=model.file.motion().drive)

@@ -42,6 +42,11 @@ class Entry:
     lit: bool = False
     """Only shows where a lamp is lit."""
 
+    def drawn(self, size: float, random: np.random.Generator) -> dict[str, Value]:
+        """Values of that size, as JSON has them."""
+        values = self.values(size, random).items()
+        return {k: float(v) if isinstance(v, int | float) else str(v) for k, v in values}
+
 
 def _sign(random: np.random.Generator) -> float:
     return float(random.choice((-1.0, 1.0)))

@@ -4,15 +4,21 @@ Effects and causes have the same parameters, and most of them in the same unit. 
 the wheels' friction are hidden in N m and as a coefficient; a log tells neither, but what share of
 a healthy robot's acceleration is left. How one follows from the other is physics of the nominal
 body, and no diagnosis reads this.
+
+The oracle is the model that a diagnosis would write if it knew everything.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 
 from realitygap.models.belief.catalogue import every_cause
+from realitygap.models.belief.extension import Extension, NamedCause, ParameterValue
 from realitygap.reality import constants as k
+from realitygap.reality.effects import HiddenEffect
 from realitygap.reality.effects.effect import Value
+from realitygap.studies.inputs.model import Model
 
 HEALTHY_ACCELERATION = k.MOTOR_TORQUE / (k.WHEEL_INERTIA + 0.5 * k.MASS * k.WHEEL_RADIUS**2)
 """rad/s^2 of the wheels of a robot that starts straight on: the torque over a wheel's own inertia
@@ -58,3 +64,32 @@ SHARES: Mapping[str, Mapping[str, Callable[[float], float]]] = {
     "low_friction": {"friction": _friction},
 }
 GIVEN = {"healthy_acceleration": HEALTHY_ACCELERATION}
+
+
+def oracle(hidden: Iterable[HiddenEffect]) -> Extension:
+    """The causes and values of what is hidden, as a model's extension.
+
+    Raises:
+        InputError: an effect that the point model has no term for.
+    """
+    return Extension(command="oracle: true parameters", causes=tuple(map(_cause, hidden)))
+
+
+def _cause(hidden: HiddenEffect) -> NamedCause:
+    name = hidden.effect.name
+    cause, values = every_cause()[name], as_told(name, hidden.values)
+    asked = (*cause.parameters, *cause.given)
+    values |= given(name)
+    return NamedCause(
+        name=name,
+        robots=hidden.robots or "all",
+        word=str(values[cause.word]) if cause.word else "",
+        parameters={
+            p.name: ParameterValue(value=float(values[p.name]), unit=p.unit) for p in asked
+        },
+    )
+
+
+def write_oracle(hidden: Iterable[HiddenEffect], out: Path) -> None:
+    """Write the shipped e-puck, corrected, as `extended.toml` with its sensor tables."""
+    Model.load().extended(oracle(hidden)).keep(out)

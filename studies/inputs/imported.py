@@ -10,13 +10,12 @@ from typing import NamedTuple
 import pandas as pd
 
 from realitygap.embedded_sim.errors import InputError, nearest
-from realitygap.models.log.formats.asked import Asked, Read
 from realitygap.models.log.formats.lerobot import read_lerobot
 from realitygap.models.log.formats.mapped import read_map
 from realitygap.models.log.formats.mrclam import read_mrclam
 from realitygap.models.log.formats.optiodom import read_optiodom
 from realitygap.models.log.formats.rosbag import bag_topics, read_bag
-from realitygap.models.log.formats.tabular import read_csv_log
+from realitygap.models.log.formats.tabular import Asked, Read, read_csv_log
 from realitygap.models.log.formats.trajectory import read_euroc, read_tum
 from realitygap.models.log.measured import write_table
 from realitygap.studies.inputs.logs import (

@@ -8,7 +8,6 @@ diagnosis, which gets one log alone.
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass
@@ -20,10 +19,11 @@ import pandas as pd
 
 from realitygap.models.belief.modelfile import find_model_file, read_model_file
 from realitygap.models.belief.tables import load_tables
-from realitygap.models.log.measured import SAMPLES
 from realitygap.reality.effects import catalogue, parse_effects
-from realitygap.studies.blind.record import diagnose
+from realitygap.studies.blind.examiner import LOG
+from realitygap.studies.blind.record import diagnose, record
 from realitygap.studies.blind.trials import Hidden
+from realitygap.studies.gain.held_out import true_model
 from realitygap.studies.gain.runs import (
     BEFORE,
     EXTENDED,
@@ -34,16 +34,14 @@ from realitygap.studies.gain.runs import (
     measure_recorded,
     plan,
 )
-from realitygap.studies.gain.truth import true_model
 from realitygap.studies.hidden.menu import MENU
 from realitygap.studies.measure.gain_rows import rows_of
 from realitygap.studies.plumbing.execution import Unfinished, Workers
 from realitygap.studies.plumbing.manifest import Pieces, made
-from realitygap.studies.plumbing.output import whole_file
-from realitygap.studies.plumbing.provenance import as_json_bytes, versions, write_json
-from realitygap.studies.plumbing.resumed import begun_with, check_ours, check_same, locked
+from realitygap.studies.plumbing.provenance import as_json_bytes
+from realitygap.studies.plumbing.resumed import resumed
 from realitygap.studies.plumbing.rooms import scratch
-from realitygap.studies.run.experiment import ANONYMOUS, Case, RunConfig, simulate
+from realitygap.studies.run.experiment import Case, RunConfig
 
 BEGUN = "catalogue.json"
 """What a catalogue's directory was begun with."""
@@ -102,10 +100,8 @@ def groups(
         for name, robot in zip(members, robots, strict=True):
             entry = MENU[name]
             size = min(times * entry.bar, entry.largest)
-            values = entry.values(size, random)
-            plain = {k: v if isinstance(v, str) else float(v) for k, v in values.items()}
-            who = (robot,) if catalogue()[name].per_robot else ()
-            hidden.append(Hidden(name, plain, who, size, times if entry.bar else 1.0))
+            values, who = entry.drawn(size, random), (robot,) if catalogue()[name].per_robot else ()
+            hidden.append(Hidden(name, values, who, size, times if entry.bar else 1.0))
         controller, case = NAMING[index % len(NAMING)]
         naming = RunConfig(
             case=case,
@@ -124,13 +120,8 @@ def measure_group(group: Group) -> tuple[dict[str, Any], pd.DataFrame]:
     Returns:
         The diagnosis, and errors before, extended and with the true parameters.
     """
-    with scratch() as room:
-        run, given = room / "run", room / "given"
-        run.mkdir()
-        given.mkdir()
-        simulate(group.naming, group.specs, run, name=ANONYMOUS)
-        shutil.move(run / SAMPLES, given / SAMPLES)
-        shutil.rmtree(run)
+    with scratch() as given:
+        record(group.naming, group.specs, given / LOG)
         answer, error = diagnose(given)
         if answer is None:
             raise RuntimeError(f"no diagnosis: {error}")
@@ -186,14 +177,7 @@ def run_catalogue(
         Unfinished: the healthy runs could not be measured.
         WorkersLost: workers keep dying.
     """
-    check_ours(out, BEGUN, GROUPS, "a catalogue")
-    with locked(out, GROUPS, "a catalogue"):
-        begun, path = {**asked, **versions()}, out / BEGUN
-        if path.exists():
-            check_same(out, begun_with(path, dict[str, Any], "a catalogue"), begun)
-        else:
-            with whole_file(path) as part:
-                write_json(part, begun)
+    with resumed(out, BEGUN, GROUPS, "a catalogue", asked):
         pieces = Pieces(out / GROUPS, "group")
         failed = _measure(pieces, planned, workers, say)
         if HEALTHY in failed:

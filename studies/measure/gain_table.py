@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from realitygap.embedded_sim.errors import InputError, nearest
-from realitygap.studies.blind.known import known_effects
+from realitygap.studies.blind.battery import known_effects
 from realitygap.studies.measure.gain import HIDDEN_BY_NATURE, groups, run_catalogue
 from realitygap.studies.pages.page import number
 from realitygap.studies.plumbing.execution import Workers

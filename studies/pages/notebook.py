@@ -5,10 +5,13 @@ from __future__ import annotations
 import textwrap
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import pandas as pd
 from markupsafe import escape
+
+from realitygap.studies.plumbing.output import whole_directory
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,6 +55,30 @@ class Telling(ABC):
         table = self.table_told()
         shown = "" if table is None else html_table(table)
         return f"<div><h4>{escape(headline)}</h4>{lines}{shown}<p>see {escape(look)}</p></div>"
+
+
+class WrittenResult(ABC):
+    """A result that can be written, as files of which one says whose they are."""
+
+    holds: ClassVar[str]
+    """Name of that file."""
+
+    @abstractmethod
+    def keep(self, folder: Path) -> None:
+        """Write its files into a directory that is there."""
+
+    def write(self, out: Path | str, *, force: bool = False) -> None:
+        """Write its files into a new directory.
+
+        Args:
+            out: The directory.
+            force: Replace what a former call has written.
+
+        Raises:
+            InputError: `out` is there already or cannot be written.
+        """
+        with whole_directory(Path(out), force=force, holds=(self.holds,)) as part:
+            self.keep(part)
 
 
 def html_table(table: pd.DataFrame) -> str:

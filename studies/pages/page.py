@@ -1,22 +1,68 @@
 """One self-contained HTML page: text, figures as inline images, tables; nothing is fetched.
 
 The same sections as Markdown are for a document that holds them.
+
+The first time that a page says a word of `glossary.md`, its meaning is there.
 """
 
 from __future__ import annotations
 
 import base64
 import math
+import re
 import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cache
+from importlib import resources
 from pathlib import Path
 from typing import Literal
 
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup, escape
 
-from realitygap.studies.pages.glossary import Words
+ROW = re.compile(r"^\| ([^|]+?) \| ([^|]+?) \|", re.MULTILINE)
+"""Of the tables: a word, its meaning."""
+ORDINARY = ("bar", "column", "course", "frame", "map", "memory", "part", "place", "row")
+"""Words that a page says in their everyday meaning, too."""
+
+
+@cache
+def meanings() -> dict[str, str]:
+    """By word; what needs a bracket to be told from another ("gain (of naming)") is left out."""
+    text = (resources.files(__package__) / "glossary.md").read_text(encoding="utf-8")
+    found: dict[str, str] = {}
+    for words, meaning in ROW.findall(text):
+        if words != "word" and "(" not in words and not words.startswith("---"):
+            found |= dict.fromkeys(words.split(", "), meaning)
+    plain = {word: meaning.replace("`", "") for word, meaning in found.items()}
+    return {word: meaning for word, meaning in plain.items() if word not in ORDINARY}
+
+
+class Words:
+    """Marks the words of the glossary in the texts of one page, each once."""
+
+    def __init__(self) -> None:
+        self.said: dict[str, str] = {}
+        """The words that the page has said so far, with their meanings."""
+        longest = sorted(meanings(), key=lambda word: (-len(word), word))
+        self._any = re.compile(rf"\b({'|'.join(map(re.escape, longest))})(?=s?\b)", re.IGNORECASE)
+
+    def __call__(self, text: str) -> Markup:
+        """The text, escaped, as HTML."""
+        parts = self._any.split(str(text))
+        return Markup().join(
+            self._marked(part) if k % 2 else escape(part) for k, part in enumerate(parts)
+        )
+
+    def _marked(self, part: str) -> Markup:
+        word = part.lower()
+        if word in self.said:
+            return escape(part)
+        self.said[word] = meanings()[word]
+        return Markup('<abbr title="{}" tabindex="0">{}</abbr>').format(self.said[word], part)
+
 
 VERDICTS = ("holds", "does not hold", "no difference that matters", "open")
 WIDTH = 110

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from realitygap.embedded_sim.reading import BOUNDINGS
+from realitygap.embedded_sim.genome import BOUNDINGS
 from realitygap.studies.paper.claims import PAPERS
 from realitygap.studies.paper.conditions import COEVOLVED, PAPER, Condition
 from realitygap.studies.paper.tables import StudyTables

@@ -9,12 +9,12 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from realitygap.studies.fitness_gap.anew import PARTS, decompose, fresh_fitness_of
+from realitygap.studies.fitness_gap.generations import PARTS, decompose, fresh_fitness_of
 from realitygap.studies.pages.page import PageTable, Picture, Section, markdown, write_page
 from realitygap.studies.paper import figures, gap_figures
 from realitygap.studies.paper.conditions import PlannedRun, StudyConfig
 from realitygap.studies.paper.directory import StudyDirectory
-from realitygap.studies.paper.gap_tables import controllers_table, gap_table
+from realitygap.studies.paper.gap_figures import controllers_table, gap_table
 from realitygap.studies.paper.mixture import evolved_table
 from realitygap.studies.paper.readings import DEFAULT, LAMPS, depends, of_variant, told
 from realitygap.studies.paper.results import outcome, result_sections

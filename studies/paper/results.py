@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from realitygap.studies.fitness_gap.anew import TRIALS
+from realitygap.studies.fitness_gap.generations import TRIALS
 from realitygap.studies.pages.page import VERDICTS, PageTable, Section, number
 from realitygap.studies.paper.claims import CLAIMS, PAPERS
 from realitygap.studies.paper.conditions import LABELS, STUDIED, StudyConfig
 from realitygap.studies.paper.mixture import evolved_text
-from realitygap.studies.paper.notes import NOTES
 from realitygap.studies.paper.our_claims import NUMBER, SELECTION
 from realitygap.studies.paper.sequential import MOST_RUNS, WRONG, boundary, looks, shares
 from realitygap.studies.paper.tables import TOUCH
+from realitygap.studies.paper.verdicts import NOTES
 
 WEIGHED = (
     "Each claim is an estimand, a range in which it is true, and a smallest difference that "

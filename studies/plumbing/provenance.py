@@ -6,17 +6,13 @@ import hashlib
 import json
 import platform
 import subprocess
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TypeAlias
 
 from realitygap.embedded_sim.errors import InputError
-
-Inputs: TypeAlias = Sequence[dict[str, str]]
-"""Of `file_read`: every file that somebody gave and a result is a function of."""
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("embedded_sim", "reality", "models", "studies")

@@ -10,9 +10,38 @@ from typing import Any, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from realitygap.embedded_sim.errors import InputError
-from realitygap.studies.plumbing.output import SUFFIX, claimed
+from realitygap.studies.plumbing.output import SUFFIX, claimed, whole_file
+from realitygap.studies.plumbing.provenance import versions, write_json
 
 Shape = TypeVar("Shape")
+
+
+@contextmanager
+def resumed(
+    out: Path, notes: str, folder: str, kind: str, asked: Mapping[str, Any]
+) -> Iterator[None]:
+    """Make or resume a directory that is begun with what was asked, by this very program.
+
+    Args:
+        out: The directory; may be there.
+        notes: The file in it that says what it was begun with.
+        folder: Of its pieces.
+        kind: What the directory is of, as in "a study".
+        asked: What it is, as JSON has it.
+
+    Raises:
+        InputError: it belongs to another configuration or program, to something else, or is in use;
+            or what says so is damaged.
+    """
+    begun, path = {**asked, **versions()}, out / notes
+    check_ours(out, notes, folder, kind)
+    with locked(out, folder, kind):
+        if path.exists():
+            check_same(out, begun_with(path, dict[str, Any], kind), begun)
+        else:
+            with whole_file(path) as part:
+                write_json(part, begun)
+        yield
 
 
 @contextmanager

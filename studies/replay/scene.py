@@ -1,8 +1,13 @@
-"""What is to be seen of a log, in frames that come at an even rate, run by run."""
+"""What is to be seen of a log, in frames that come at an even rate, run by run.
+
+What robots believed of the lamp while they were recorded comes out of their runs' files.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -16,9 +21,50 @@ from realitygap.models.gap.sensing import scenarios
 from realitygap.models.log.frames import Rows, Windows, motion, moved
 from realitygap.models.log.measured import GAP_STEPS, MeasuredLog
 from realitygap.models.log.schema import PS, VIRTUAL
+from realitygap.studies.fitness_gap.generations import find_generations, read_generations
 from realitygap.studies.inputs.logs import Log
-from realitygap.studies.replay.beliefs import Beliefs, beliefs_of
 from realitygap.studies.replay.sight import brightness, rays
+
+
+class Believed(NamedTuple):
+    """One robot's S0 in one generation."""
+
+    begin: float
+    """s, as in the log."""
+    end: float
+    third: int
+    """0: the lamp opposite the nest, 1: none, 2: at the nest."""
+    s0: float
+    """NaN: not told."""
+
+
+Beliefs: TypeAlias = Mapping[str, Sequence[Believed]]
+"""By robot, in order of time."""
+
+
+def beliefs_of(log: Log) -> dict[str, dict[str, list[Believed]]]:
+    """By run and robot; empty for logs that are not the directories of runs.
+
+    Raises:
+        InputError: a directory's table of generations cannot be used.
+    """
+    found: dict[str, dict[str, list[Believed]]] = {}
+    for k, source in enumerate(log.sources):
+        path = None if source.path is None else find_generations(source.path)
+        if path is None:
+            continue
+        table = read_generations(path).dropna(subset=["t_start", "t_end", "s0_third"])
+        prefix = f"{k + 1}/" if len(log.sources) > 1 else ""
+        table = table.sort_values("t_start")
+        s0 = pd.to_numeric(table.get("s0", np.nan), errors="coerce")
+        table = table.assign(s0=np.asarray(s0, dtype=float))
+        names = (prefix + table["run"], table["robot"].astype(str))
+        numbers = (table[name].tolist() for name in ("t_start", "t_end", "s0_third", "s0"))
+        for run, robot, begin, end, third, value in zip(*names, *numbers, strict=True):
+            of_robot = found.setdefault(run, {}).setdefault(robot, [])
+            of_robot.append(Believed(begin, end, int(third), value))
+    return found
+
 
 FRAME = 0.04
 """s between frames at least; our choice: the control step, as smooth as a screen needs."""
@@ -61,14 +107,6 @@ class Scene:
     def times(self) -> FloatArray:
         """(frames,) s since the first."""
         return np.arange(self.poses.shape[1], dtype=np.float64) * self.step
-
-    @property
-    def brought(self) -> npt.NDArray[np.int64]:
-        """(frames,) items that the robots have brought to the nest by each frame."""
-        if self.carries is None:
-            return np.zeros(self.poses.shape[1], dtype=np.int64)
-        left = self.carries[:, :-1] & ~self.carries[:, 1:]
-        return np.concatenate([[0], np.cumsum(left.sum(axis=0))])
 
 
 def scenes(log: Log, restart: float) -> tuple[Scene, ...]:

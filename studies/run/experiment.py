@@ -18,16 +18,14 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from realitygap.embedded_sim import CONTROL_STEP, SCENARIOS, Behaviour, PointModel
 from realitygap.embedded_sim.breeding import Breeder, CoEvolution, Fixed
-from realitygap.embedded_sim.genome import GENOMES, PAPER, Genome
+from realitygap.embedded_sim.genome import GENOMES, PAPER, Bounding, Genome, reading
 from realitygap.embedded_sim.onboard import Swarm
 from realitygap.embedded_sim.probes import PREFIX, probe
-from realitygap.embedded_sim.reading import Bounding, reading
 from realitygap.reality import constants as k
 from realitygap.reality.arena import ForagingArena
-from realitygap.reality.build import Build
 from realitygap.reality.effects import parse_effects
 from realitygap.reality.engine import DEFAULT, EngineName
-from realitygap.reality.hardware import lamp_power
+from realitygap.reality.hardware import Build, lamp_power
 from realitygap.reality.rays import DEFAULT_RAYS, RaysName
 from realitygap.reality.world import World
 from realitygap.studies.inputs.model import Model

@@ -8,8 +8,8 @@ from typing import Any, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 
 from realitygap.embedded_sim.errors import InputError, nearest
+from realitygap.embedded_sim.genome import reading as reading_by_name
 from realitygap.embedded_sim.probes import MENU, PREFIX
-from realitygap.embedded_sim.reading import reading as reading_by_name
 from realitygap.studies.run.experiment import Case, Controller, GenomeName, RunConfig
 
 Config = TypeVar("Config", bound=BaseModel)

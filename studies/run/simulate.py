@@ -109,7 +109,6 @@ class RunResult(Telling):
         return axes
 
     def told(self) -> tuple[str, str, str]:
-        """As `Telling`."""
         of = self.config
         text = f"{of.robots} robots for {of.minutes:g} min, {of.case}, {of.controller}, seed "
         text += f"{of.seed}: items brought to the nest: {self.totals['deposits']:.0f}."

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,12 +10,12 @@ from typing import Any
 
 from realitygap.reality.effects import parse_effects
 from realitygap.studies.blind.examiner import LOG
-from realitygap.studies.blind.record import COMMAND, diagnose
-from realitygap.studies.hidden.oracle import write_oracle
+from realitygap.studies.blind.record import COMMAND, diagnose, record
+from realitygap.studies.hidden.shares import write_oracle
 from realitygap.studies.inputs.model import Model
 from realitygap.studies.plumbing.rooms import scratch
 from realitygap.studies.run.altered import Files, read_files
-from realitygap.studies.run.experiment import ANONYMOUS, RunConfig, simulate
+from realitygap.studies.run.experiment import RunConfig
 from realitygap.studies.transfer.alterations import Alteration
 
 
@@ -38,13 +37,8 @@ def record_and_diagnose(task: Preparation) -> Files:
     Raises:
         RuntimeError: the diagnosis failed.
     """
-    with scratch() as room:
-        run, given = room / "run", room / "given"
-        run.mkdir()
-        given.mkdir()
-        simulate(task.config, task.alteration.effects, run, name=ANONYMOUS)
-        shutil.move(run / LOG, given / LOG)
-        shutil.rmtree(run)
+    with scratch() as given:
+        record(task.config, task.alteration.effects, given / LOG)
         _, error = diagnose(given, command=task.command)
         if error is not None:
             raise RuntimeError(f"the diagnosis of {task.alteration.name}: {error}")

@@ -20,10 +20,9 @@ from realitygap.studies.run.altered import MODEL
 from realitygap.studies.run.experiment import HALVES
 from realitygap.studies.transfer import beliefs, words
 from realitygap.studies.transfer.alterations import Alteration
-from realitygap.studies.transfer.choices import TRIALS, choices, earnings
-from realitygap.studies.transfer.choices import Table as Earnings
 from realitygap.studies.transfer.compare import compare
-from realitygap.studies.transfer.measures import bar, collect
+from realitygap.studies.transfer.measures import TRIALS, bar, choices, collect, earnings
+from realitygap.studies.transfer.measures import Table as Earnings
 from realitygap.studies.transfer.plan import MODELS, TransferConfig, TransferRun
 
 SCHEMA = 1

@@ -292,7 +292,7 @@ def test_nothing_in_the_log_tells_what_was_hidden(tmp_path: Path) -> None:
 def test_a_log_that_is_diagnosed_does_not_say_what_kind_of_run_it_is(tmp_path: Path) -> None:
     """Of the run's column, and of any other text in the file but the light."""
     one = plan(blind_config(trials=1, seed=7, **SMALL))[0]
-    record(one, tmp_path / "run", tmp_path / "samples.parquet")
+    record(one.run, one.specs, tmp_path / "samples.parquet")
     schema = pq.read_schema(tmp_path / "samples.parquet")
     assert schema.metadata == {RECORDER: f"reality {one.run.engine}".encode()}
     table = pd.read_parquet(tmp_path / "samples.parquet")

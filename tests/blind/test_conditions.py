@@ -16,7 +16,7 @@ from realitygap.models.log.table_files import RECORDER
 from realitygap.reality import constants as k
 from realitygap.studies.blind.conditions import changes as c
 from realitygap.studies.blind.conditions import matrix
-from realitygap.studies.blind.conditions.diagnosed import write_given
+from realitygap.studies.blind.conditions.battery import write_given
 from realitygap.studies.blind.conditions.matrix import CONDITIONS, matrix_config, plan
 from realitygap.studies.inputs.imported import read_log
 from realitygap.studies.inputs.model import Model
@@ -66,18 +66,18 @@ def off(first: pd.Series, second: pd.Series) -> np.ndarray:
 
 NULLS: dict[str, c.Change] = {
     "nothing": c.unchanged,
-    "every row": c.EveryNth(1),
-    "a pose in every row": c.PoseEvery(1),
-    "held for one row": c.Held(1),
-    "no more noise": c.Noisier(1.0),
-    "no outliers": c.Outliers(0.0),
-    "no jitter": c.Jittered(0.0),
-    "the same frame": c.Framed(),
-    "all seconds": c.First(1e6),
-    "no column": c.Without(("none",)),
-    "the same rate": c.Resampled(1.0 / STEP),
-    "averages of one": c.Averaged(1),
-    "clocks of one rate": c.TrackerFast(0.0),
+    "every row": c.every_nth(1),
+    "a pose in every row": c.pose_every(1),
+    "held for one row": c.held(1),
+    "no more noise": c.noisier(1.0),
+    "no outliers": c.outliers(0.0),
+    "no jitter": c.jittered(0.0),
+    "the same frame": c.framed(),
+    "all seconds": c.first(1e6),
+    "no column": c.without("none"),
+    "the same rate": c.resampled(1.0 / STEP),
+    "averages of one": c.averaged(1),
+    "clocks of one rate": c.tracker_fast(0.0),
 }
 
 
@@ -110,14 +110,14 @@ def test_a_condition_is_pure_and_time_goes_on_increasing(name: str) -> None:
 
 @pytest.mark.parametrize("n", [2, 4])
 def test_every_nth_row_is_left_of_each_robot(n: int) -> None:
-    after = of_robot(changed(c.EveryNth(n)))
+    after = of_robot(changed(c.every_nth(n)))
     assert after["cmd_left"].tolist() == list(range(0, ROWS, n))
     assert after["t"].to_numpy() == pytest.approx(np.arange(0, ROWS, n) * STEP)
 
 
 @pytest.mark.parametrize("rate", [10.0, 12.5, 20.0, 50.0])
 def test_rows_at_another_rate_lie_on_the_line_with_the_last_command(rate: float) -> None:
-    after = of_robot(changed(c.Resampled(rate)))
+    after = of_robot(changed(c.resampled(rate)))
     assert np.diff(after["t"]) == pytest.approx(1.0 / rate)
     assert after["t"].iloc[-1] > (ROWS - 1) * STEP - 1.0 / rate
     assert after["x"].to_numpy() == pytest.approx(SPEED * after["t"] + 1.0)
@@ -128,12 +128,12 @@ def test_rows_at_another_rate_lie_on_the_line_with_the_last_command(rate: float)
 def test_between_two_poses_an_interpolated_one_is_their_mean() -> None:
     log = line(robots=1, rows=3)
     log["x"] = [0.0, 1.0, 4.0]
-    assert changed(c.Resampled(50.0), log)["x"].tolist() == pytest.approx([0.0, 0.5, 1.0, 2.5, 4.0])
+    assert changed(c.resampled(50.0), log)["x"].tolist() == pytest.approx([0.0, 0.5, 1.0, 2.5, 4.0])
 
 
 @pytest.mark.parametrize("n", [2, 5])
 def test_poses_are_left_in_every_nth_row_and_commands_in_all(n: int) -> None:
-    before, after = of_robot(line()), of_robot(changed(c.PoseEvery(n)))
+    before, after = of_robot(line()), of_robot(changed(c.pose_every(n)))
     there = np.arange(ROWS) % n == 0
     for name in c.POSE:
         assert (after[name].notna() == there).all()
@@ -142,24 +142,24 @@ def test_poses_are_left_in_every_nth_row_and_commands_in_all(n: int) -> None:
 
 
 def test_held_poses_repeat_the_one_before() -> None:
-    before, after = of_robot(line()), of_robot(changed(c.Held(2)))
+    before, after = of_robot(line()), of_robot(changed(c.held(2)))
     assert (after["x"].to_numpy() == before["x"].to_numpy()[np.arange(ROWS) // 2 * 2]).all()
     assert (after["t"] == before["t"]).all()
 
 
 @pytest.mark.parametrize("n", [3, 5])
 def test_averages_keep_a_line_and_divide_noise_by_their_number(n: int) -> None:
-    after = of_robot(changed(c.Averaged(n)))
+    after = of_robot(changed(c.averaged(n)))
     inside = slice(n // 2, ROWS - n // 2)
     assert after["x"][inside].to_numpy() == pytest.approx(of_robot(line())["x"][inside])
     assert off(after["yaw"], of_robot(line())["yaw"])[inside].max() < 1e-9
     log = line(robots=1, rows=6000)
     log["x"] = np.random.default_rng(3).standard_normal(len(log))
-    assert changed(c.Averaged(n), log)["x"].var() == pytest.approx(1.0 / n, rel=0.1)
+    assert changed(c.averaged(n), log)["x"].var() == pytest.approx(1.0 / n, rel=0.1)
 
 
 def test_a_causal_filter_lags_behind_a_ramp_by_what_first_order_says() -> None:
-    after = of_robot(changed(c.Lowpassed(0.08)))
+    after = of_robot(changed(c.lowpassed(0.08)))
     left = math.exp(-STEP / 0.08)
     lag = STEP * left / (1.0 - left)  # s; the time constant less half a row
     assert lag == pytest.approx(0.08 - STEP / 2.0, rel=0.05)
@@ -171,7 +171,7 @@ def test_a_causal_filter_lags_behind_a_ramp_by_what_first_order_says() -> None:
 @pytest.mark.parametrize("times", [2.0, 4.0])
 def test_noise_is_added_until_it_is_that_many_times_the_trackers(times: float) -> None:
     log = line(rows=4000)
-    added = changed(c.Noisier(times), log)[c.POSE] - log[c.POSE]
+    added = changed(c.noisier(times), log)[c.POSE] - log[c.POSE]
     scale = np.array([k.TRACKER_NOISE, k.TRACKER_NOISE, k.TRACKER_YAW_NOISE])
     whole = np.hypot(added.std(), scale) / scale
     assert whole.to_numpy() == pytest.approx(times, rel=0.03)
@@ -180,7 +180,7 @@ def test_noise_is_added_until_it_is_that_many_times_the_trackers(times: float) -
 
 def test_two_percent_of_poses_are_thrown_and_no_other_moves() -> None:
     log = line(rows=4000)
-    after = changed(c.Outliers(0.02), log)
+    after = changed(c.outliers(0.02), log)
     thrown = (after["x"] != log["x"]).to_numpy()
     assert thrown.mean() == pytest.approx(0.02, abs=5.0 * math.sqrt(0.02 / len(log)))
     assert (after[c.POSE][~thrown] == log[c.POSE][~thrown]).all(axis=None)
@@ -199,7 +199,7 @@ def test_quantised_poses_are_whole_steps_next_to_the_poses() -> None:
 
 def test_stamps_jitter_by_five_milliseconds() -> None:
     log = line(rows=4000)
-    jitter = changed(c.Jittered(0.005), log)["t"] - log["t"]
+    jitter = changed(c.jittered(0.005), log)["t"] - log["t"]
     assert jitter.std() == pytest.approx(0.005, rel=0.05)
     assert abs(jitter.mean()) < 1e-4
 
@@ -207,7 +207,7 @@ def test_stamps_jitter_by_five_milliseconds() -> None:
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("direction", ["nearest", "backward"])
 def test_merged_commands_are_the_last_or_the_nearest(direction: str, seed: int) -> None:
-    after = of_robot(changed(c.Merged(direction), seed=seed))
+    after = of_robot(changed(c.merged(direction), seed=seed))
     assert after["x"].to_numpy() == pytest.approx(SPEED * after["t"] + 1.0)
     ahead = after["cmd_left"] * STEP - after["t"]  # s from the pose to when it was commanded
     assert ahead.std() < 1e-9
@@ -217,7 +217,7 @@ def test_merged_commands_are_the_last_or_the_nearest(direction: str, seed: int) 
 
 
 def test_poses_of_a_tracker_with_a_fast_clock_fall_behind_by_a_thousandth() -> None:
-    after = of_robot(changed(c.TrackerFast(1e-3)))
+    after = of_robot(changed(c.tracker_fast(1e-3)))
     assert after["x"].to_numpy() == pytest.approx(SPEED * after["t"] / 1.001 + 1.0)
     assert (after["t"] == of_robot(line())["t"]).all()
     assert (after["cmd_left"] == of_robot(line())["cmd_left"]).all()
@@ -237,11 +237,11 @@ def test_another_frame_keeps_distances_and_can_be_undone(
     angle: float, x: float, scale: float
 ) -> None:
     log = line(robots=2, rows=10)
-    after = changed(c.Framed(angle, scale, (x, -x)), log)
+    after = changed(c.framed(angle, scale, (x, -x)), log)
     lengths = [np.hypot(one["x"].diff(), one["y"].diff())[1:].to_numpy() for one in (log, after)]
     assert lengths[1] == pytest.approx(scale * lengths[0])
-    back = changed(c.Framed(shift=(-x, x)), after)
-    back = changed(c.Framed(-angle, 1.0 / scale), back)
+    back = changed(c.framed(shift=(-x, x)), after)
+    back = changed(c.framed(-angle, 1.0 / scale), back)
     assert back[["x", "y"]].to_numpy() == pytest.approx(log[["x", "y"]].to_numpy(), abs=1e-9)
     assert off(back["yaw"], log["yaw"]).max() < 1e-9
 

@@ -9,14 +9,13 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from realitygap.models.belief.catalogue import every_cause
-from realitygap.models.belief.withheld import without
+from realitygap.models.belief.catalogue import every_cause, without
 from realitygap.models.naming.channels.motion.candidates import candidates
 from realitygap.models.naming.channels.motion.flexible import QUANTITIES as OF_MOTION
 from realitygap.models.naming.channels.senses.quantities import QUANTITIES as OF_READINGS
 from realitygap.studies.blind.battery import run_battery
-from realitygap.studies.blind.left_out import quantity_right
 from realitygap.studies.blind.record import diagnose
+from realitygap.studies.blind.summary import quantity_right
 from realitygap.studies.blind.trials import ENTRIES, Hidden, Trial, blind_config, plan
 from realitygap.studies.cli import app
 from realitygap.studies.plumbing.execution import Workers

@@ -36,11 +36,9 @@ def told(
         seed=seed,
     )
     trial = Trial(0, "single", seconds, config, hidden)
-    with tempfile.TemporaryDirectory(prefix="log-") as scratch:
-        given = Path(scratch) / "given"
-        given.mkdir()
-        record(trial, Path(scratch) / "run", given / LOG)
-        answer, error = ask(given, withheld)
+    with tempfile.TemporaryDirectory(prefix="log-") as given:
+        record(config, trial.specs, Path(given) / LOG)
+        answer, error = ask(Path(given), withheld)
     assert answer is not None, error
     return trial, answer
 

@@ -7,9 +7,8 @@ from typing import Any
 
 import pytest
 
-from realitygap.studies.blind.left_out import unknowns
 from realitygap.studies.blind.scoring import Score, of_robots, outcome, score
-from realitygap.studies.blind.summary import ABSTAINED
+from realitygap.studies.blind.summary import ABSTAINED, unknowns
 from realitygap.studies.blind.trials import Hidden, Kind, Trial
 from realitygap.studies.run.experiment import RunConfig
 

@@ -10,9 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from realitygap.embedded_sim import InputError
-from realitygap.embedded_sim.breeding import third
-from realitygap.embedded_sim.genetics import next_controllers, next_environment, random_genes
-from realitygap.embedded_sim.reading import READINGS, reading
+from realitygap.embedded_sim.breeding import next_controllers, next_environment, random_genes, third
+from realitygap.embedded_sim.genome import READINGS, reading
 
 DEFAULT = READINGS["default"]
 

@@ -8,12 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from realitygap.embedded_sim import Behaviour, evaluate
-from realitygap.embedded_sim.breeding import Bred, CoEvolution
-from realitygap.embedded_sim.genetics import next_controllers
-from realitygap.embedded_sim.genome import CONTINUOUS, PAPER
+from realitygap.embedded_sim.breeding import Bred, CoEvolution, next_controllers
+from realitygap.embedded_sim.genome import CONTINUOUS, PAPER, READINGS
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.embedded_sim.onboard import Swarm
-from realitygap.embedded_sim.reading import READINGS
 from realitygap.models import load_model
 
 AT_NEST = 2

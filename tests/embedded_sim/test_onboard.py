@@ -7,9 +7,9 @@ import pytest
 
 from realitygap.embedded_sim import Behaviour, InputError, breeding
 from realitygap.embedded_sim.breeding import Bred, CoEvolution, Fixed
+from realitygap.embedded_sim.genome import READINGS
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.embedded_sim.onboard import GENERATION_STEPS, Swarm
-from realitygap.embedded_sim.reading import READINGS
 from realitygap.embedded_sim.simulator import Evaluation
 from realitygap.models import load_model
 

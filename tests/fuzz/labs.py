@@ -15,18 +15,16 @@ import pandas as pd
 from realitygap.embedded_sim import Tables
 from realitygap.models.belief.curves import tables_of
 from realitygap.models.belief.modelfile import load_model
-from realitygap.models.log.formats.asked import Asked, Read
 from realitygap.models.log.formats.lerobot import read_lerobot
-from realitygap.models.log.formats.mapped import read_mapped
 from realitygap.models.log.formats.mrclam import read_mrclam
 from realitygap.models.log.formats.optiodom import TICKS_PER_TURN, read_optiodom
 from realitygap.models.log.formats.rosbag import read_bag
-from realitygap.models.log.formats.tabular import read_csv_log
+from realitygap.models.log.formats.tabular import Asked, Read, read_csv_log
 from realitygap.models.log.formats.trajectory import read_euroc, read_tum
 from realitygap.models.log.measured import make_log
 from tests.fuzz.sound import DRIVE, ROWS, Reader, as_csv, as_parquet, table
 from tests.models.bags import commands, poses, together, write_bag
-from tests.models.small import driven_log
+from tests.models.small import driven_log, read_mapped
 
 MAP = """[columns]
 t = { from = "stamp", unit = "ms" }

@@ -21,11 +21,9 @@ from realitygap.models.naming.health.reference import DIRECTORY, HOME, read_refe
 from realitygap.models.naming.health.senses import read_sense_reference
 from realitygap.reality.effects import parse_effects
 from realitygap.studies.diagnosis.experiment import experiment
-from realitygap.studies.fitness_gap.by_third import coevolution_gap
-from realitygap.studies.fitness_gap.generations import read_generations
+from realitygap.studies.fitness_gap.generations import coevolution_gap, read_generations
 from realitygap.studies.gain.food import food_lines, read_transfer
-from realitygap.studies.gain.held_out import _kind
-from realitygap.studies.gain.truth import hidden_in
+from realitygap.studies.gain.held_out import _kind, hidden_in
 from realitygap.studies.replay.watch import watch
 from tests.fuzz.labs import LABS
 from tests.fuzz.sound import DRIVE, ROWS, Reader, as_csv, as_parquet, table

@@ -26,7 +26,7 @@ def make(name: str) -> bytes:
     """Record a log of the plan as it is kept. Executed by a worker."""
     kept = plan()[name]
     with scratch() as room:
-        record(kept.trial, room / "run", room / "log.parquet")
+        record(kept.trial.run, kept.trial.specs, room / "log.parquet")
         table = packed(pd.read_parquet(room / "log.parquet"), kept.columns)
         recorder = pq.read_schema(room / "log.parquet").metadata[RECORDER]
         write(table, room / "packed.parquet", recorder)

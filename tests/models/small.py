@@ -11,6 +11,7 @@ import pytest
 
 from realitygap.embedded_sim import Drive, PointModel, Tables, readings, replay
 from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.log.formats.tabular import Asked, read_csv_log
 
 ROOT = Path(__file__).parents[2]
 
@@ -129,3 +130,8 @@ def arena_log(
             )
         )
     return pd.concat(parts, ignore_index=True)
+
+
+def read_mapped(path: Path, map_path: Path, *, drive: Drive | None = None) -> pd.DataFrame:
+    """A file as a measured-log table by a map's file."""
+    return read_csv_log(path, Asked(drive=drive or Drive(), map=map_path)).table

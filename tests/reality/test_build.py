@@ -14,9 +14,8 @@ from realitygap.embedded_sim import InputError
 from realitygap.models.log.table_files import RECORDER
 from realitygap.reality import constants as k
 from realitygap.reality.arena import ForagingArena
-from realitygap.reality.build import Build
 from realitygap.reality.effects import parse_effects
-from realitygap.reality.hardware import Hardware
+from realitygap.reality.hardware import Build, Hardware
 from realitygap.reality.world import World
 from realitygap.studies.run.experiment import RunConfig, simulate
 from realitygap.studies.run.settings import run_config

@@ -8,7 +8,7 @@ import pytest
 import typer
 
 from realitygap.studies.cli import app
-from realitygap.studies.cli.say import LONGEST_LINE, say
+from realitygap.studies.cli.outcome import LONGEST_LINE, say
 from realitygap.studies.run.altered import MODEL
 from realitygap.studies.transfer.beliefs import given_model
 from tests.helpers import COMMAND, ENVIRONMENT, realitygap

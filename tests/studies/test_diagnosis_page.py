@@ -23,12 +23,11 @@ from realitygap.models.naming.diagnosis import Calibrated, Diagnosis, Unexplaine
 from realitygap.models.naming.engine.hypothesis import Term
 from realitygap.models.naming.engine.value import Value
 from realitygap.models.naming.findings import Evidence, Named
-from realitygap.studies.diagnosis.box import model_lines, verdict_box
+from realitygap.studies.diagnosis.box import model_lines, plain_sentence, verdict_box
 from realitygap.studies.diagnosis.figures import rival_bars
-from realitygap.studies.diagnosis.plain import plain_sentence
 from realitygap.studies.diagnosis.tables import calibration_section
 from realitygap.studies.diagnosis.tracks import worst_tracks
-from realitygap.studies.pages.glossary import Words, meanings
+from realitygap.studies.pages.page import Words, meanings
 from tests.browser import CHROMIUM, WIDTHS, browser
 from tests.helpers import ROOT, page_text
 

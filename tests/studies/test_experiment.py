@@ -21,7 +21,7 @@ from realitygap.models.log.measured import make_log
 from realitygap.models.log.schema import ENCODERS, LS, PS
 from realitygap.models.naming.proposal.expected import Flown, moves, reads
 from realitygap.studies.cli import app
-from realitygap.studies.diagnosis.twists import topics_of
+from realitygap.studies.diagnosis.plan import topics_of
 from tests.golden.answers import log_file
 from tests.models.small import driven_log
 
@@ -218,7 +218,7 @@ def test_what_cannot_be_written_is_one_error(
 def test_without_the_library_for_bags_it_is_asked_for(
     planned: rg.ProposedExperiment, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("realitygap.studies.diagnosis.twists.find_spec", lambda name: None)
+    monkeypatch.setattr("realitygap.studies.diagnosis.plan.find_spec", lambda name: None)
     with pytest.raises(rg.InputError, match=re.escape("pip install 'reality-gap[ros]'")):
         planned.write(tmp_path / "bag")
     assert not list(tmp_path.iterdir())

@@ -16,9 +16,9 @@ from realitygap.models.log.measured import make_log, write_table
 from realitygap.models.naming.claims.prediction import prediction_errors
 from realitygap.reality.effects import parse_effects
 from realitygap.studies.gain.food import food_lines, food_table, read_transfer
+from realitygap.studies.gain.held_out import true_model
 from realitygap.studies.gain.measure import gain
 from realitygap.studies.gain.runs import BEFORE, EXTENDED, HEALTHY, ORACLE, plan
-from realitygap.studies.gain.truth import true_model
 from realitygap.studies.gain.weigh import entry, weigh
 from realitygap.studies.inputs.logs import log_hash
 from realitygap.studies.inputs.model import Model

@@ -14,8 +14,7 @@ from realitygap.models.belief.modelfile import read_model_file
 from realitygap.models.gap.whole import measure_gap
 from realitygap.models.log.measured import make_log
 from realitygap.studies.cli import app
-from realitygap.studies.fitness_gap.by_third import coevolution_gap
-from realitygap.studies.fitness_gap.generations import read_generations
+from realitygap.studies.fitness_gap.generations import coevolution_gap, read_generations
 from realitygap.studies.gap.figures import draw_figures
 from realitygap.studies.plumbing.provenance import file_sha256
 from tests.helpers import COMMAND, ENVIRONMENT, ROOT, realitygap

@@ -14,11 +14,10 @@ import pytest
 from realitygap.studies.pages.page import markdown
 from realitygap.studies.paper.claims import CLAIMS
 from realitygap.studies.paper.conditions import STUDIED, StudyConfig
-from realitygap.studies.paper.notes import NOTES
 from realitygap.studies.paper.readings import of_variant
 from realitygap.studies.paper.results import result_sections
 from realitygap.studies.paper.tables import StudyTables
-from realitygap.studies.paper.verdicts import ALIKE, FAILS, OPEN, decide
+from realitygap.studies.paper.verdicts import ALIKE, FAILS, NOTES, OPEN, decide
 
 DOCS = Path(__file__).parents[2] / "docs"
 STUDY = DOCS / "paper-study"

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from realitygap.embedded_sim.reading import reading
+from realitygap.embedded_sim.genome import reading
 from realitygap.studies.paper.claims import PAPERS
 from realitygap.studies.paper.conditions import PAPER, StudyConfig, plan
 from realitygap.studies.paper.figures import lamps

@@ -26,7 +26,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two runs per condition, long enough for one whole generation and some deposits."""
     out = tmp_path_factory.mktemp("report") / "study"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("realitygap.studies.fitness_gap.anew.TRIALS", 20)
+        patch.setattr("realitygap.studies.fitness_gap.generations.TRIALS", 20)
         run_study(SMALL, out, Workers(2), quiet=True)
     return out
 
@@ -66,7 +66,7 @@ def test_making_the_report_again_changes_no_byte_of_the_results(
     study: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = results(study)
-    monkeypatch.setattr("realitygap.studies.fitness_gap.anew.TRIALS", 20)
+    monkeypatch.setattr("realitygap.studies.fitness_gap.generations.TRIALS", 20)
     said = run_study(SMALL, study, Workers(1), quiet=True)
     assert results(study) == before
     assert said in page_text(study / "report.html")

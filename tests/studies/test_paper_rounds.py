@@ -139,7 +139,7 @@ def test_a_stopped_study_goes_the_same_way_and_does_no_run_twice(
 def test_a_decided_study_leaves_its_claims_by_variant(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("realitygap.studies.fitness_gap.anew.TRIALS", 20)
+    monkeypatch.setattr("realitygap.studies.fitness_gap.generations.TRIALS", 20)
     monkeypatch.setattr("realitygap.studies.paper.sequential.MOST_RUNS", 3)
     monkeypatch.setattr(rounds, "DECIDED", ("default", "neutral", "selection", "number"))
     out = tmp_path / "study"

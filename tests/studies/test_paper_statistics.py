@@ -13,7 +13,6 @@ from scipy import stats
 
 from realitygap.studies.paper.claims import CLAIMS, PAPERS
 from realitygap.studies.paper.our_claims import LABOUR
-from realitygap.studies.paper.persistence import half_life, recovery
 from realitygap.studies.paper.sequential import boundary, looks, shares
 from realitygap.studies.paper.tables import StudyTables
 from realitygap.studies.paper.verdicts import ALIKE, FAILS, HOLDS, OPEN, alone, decide, judge
@@ -21,8 +20,10 @@ from realitygap.studies.paper.weighing import (
     Array,
     Claim,
     Comparison,
+    half_life,
     mean,
     ratio,
+    recovery,
     share,
     spread,
     typical,

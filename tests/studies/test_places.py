@@ -34,9 +34,9 @@ def places(name: str) -> dict[str, bool]:
     notes = [note for text in said for note in json.loads(text)["not_checked"]]
     unmeasured = [note for note in notes if UNMEASURED in note and name in note]
     return {
-        f"reality/effects/{name}.py, which hides it": name in catalogue(),
-        f"models/belief/causes/{name}.py, which believes it": name in every_cause(),
-        f"its sentence, `plain` in models/belief/causes/{name}.py": bool(
+        "an effect in reality/effects, which hides it": name in catalogue(),
+        "a cause in models/belief/causes, which believes it": name in every_cause(),
+        "its sentence, `plain` of the cause": bool(
             name in every_cause() and every_cause()[name].plain
         ),
         f'its entry "{name}" of MENU in studies/hidden/menu.py': name in MENU,

@@ -1,7 +1,7 @@
 import pytest
 
 from realitygap.studies.paper.conditions import PAPER, plan
-from realitygap.studies.paper.tally import Tally
+from realitygap.studies.paper.execution import Tally
 from realitygap.studies.plumbing.progress import Progress, Stages
 from tests.studies.small_study import TINY
 

@@ -137,6 +137,8 @@ def test_a_study_of_transfer_has_food_per_minute(tmp_path: Path) -> None:
 
 def test_every_result_of_the_door_is_tested_here() -> None:
     results = {name for name in rg.__all__ if name.endswith("Result")}
+    for name in rg.__all__:
+        getattr(rg, name)  # what stands behind the door is imported when it is asked for
     tellers = {cls.__name__ for cls in Telling.__subclasses__()}
     assert results == {"DiagnosisResult", "GapResult", "GainResult", "RunResult", "StudyResult"}
     assert tellers == results | {"ProposedExperiment"}  # tested where it is made

@@ -30,8 +30,8 @@ from realitygap.models.belief.senses import SenseCause
 from realitygap.models.log.formats.mapped import SCALES, Map, Origin, Poses, read_map
 from realitygap.models.log.opened import json_values
 from realitygap.models.log.schema import UNITS
-from realitygap.models.naming.health.inherent import INHERENT
 from realitygap.models.naming.health.reference import (
+    INHERENT,
     Column,
     Reference,
     read_reference,
@@ -44,7 +44,7 @@ from realitygap.models.naming.health.senses import (
     write_sense_reference,
 )
 from realitygap.reality.effects import HiddenEffect, catalogue, parse_effects
-from realitygap.studies.gain.truth import hidden_in
+from realitygap.studies.gain.held_out import hidden_in
 from realitygap.studies.inputs.model import Model
 from realitygap.studies.plumbing.provenance import write_json
 from realitygap.studies.plumbing.typed import typed

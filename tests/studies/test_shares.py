@@ -22,8 +22,7 @@ from realitygap.reality.effects import parse_effects
 from realitygap.studies.blind.scoring import NamedAnswer as Told
 from realitygap.studies.blind.scoring import _inside
 from realitygap.studies.blind.trials import Hidden
-from realitygap.studies.hidden.oracle import oracle
-from realitygap.studies.hidden.shares import HEALTHY_ACCELERATION, as_told
+from realitygap.studies.hidden.shares import HEALTHY_ACCELERATION, as_told, oracle
 from realitygap.studies.inputs.model import Model
 from tests.reality.hidden import drive, straight
 

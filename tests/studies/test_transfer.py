@@ -15,13 +15,13 @@ import pytest
 from realitygap.embedded_sim import InputError
 from realitygap.models.belief.modelfile import find_model_file, load_model, load_models
 from realitygap.reality.effects import parse_effects
-from realitygap.studies.hidden.oracle import oracle, write_oracle
+from realitygap.studies.hidden.shares import oracle, write_oracle
 from realitygap.studies.plumbing.execution import Workers
 from realitygap.studies.run.experiment import RunConfig
 from realitygap.studies.transfer.alterations import SHIPPED, chosen
 from realitygap.studies.transfer.beliefs import Preparation, record_and_diagnose
-from realitygap.studies.transfer.choices import choices
 from realitygap.studies.transfer.compare import compare
+from realitygap.studies.transfer.measures import choices
 from realitygap.studies.transfer.plan import (
     MODELS,
     TransferConfig,

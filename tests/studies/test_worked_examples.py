@@ -53,7 +53,7 @@ def test_each_example_is_an_effect_and_a_cause() -> None:
 
 
 def test_the_worked_example_of_an_effect_works() -> None:
-    effect = module("reality/effects/narrow_tread.py").EFFECT
+    effect = module("reality/effects/narrow_tread.py").narrow_tread
     cause = module("models/belief/causes/narrow_tread.py").CAUSE
     assert isinstance(effect, Effect)
     assert isinstance(cause, Cause)
@@ -67,7 +67,7 @@ def test_the_worked_example_of_an_effect_works() -> None:
 
 def test_a_sensor_with_memory_answers_a_step_of_light_exponentially() -> None:
     """Both sides of the example, written apart, against 1 - exp(-t / T)."""
-    effect = module("reality/effects/ls_lag.py").EFFECT
+    effect = module("reality/effects/ls_lag.py").ls_lag
     cause = module("models/belief/causes/ls_lag.py").CAUSE
     assert isinstance(effect, Effect)
     assert isinstance(cause, SenseCause)
@@ -133,4 +133,4 @@ def test_a_sensor_without_lag_keeps_every_bit_and_places_say_what_is_missing(
     ran = subprocess.run(words, cwd=with_memory, env=environment, capture_output=True, text=True)
     assert "ls_lag still needs:" in ran.stdout
     assert 'its entry "ls_lag" of MENU' in ran.stdout
-    assert "reality/effects/ls_lag.py" not in ran.stdout
+    assert "an effect in reality/effects" not in ran.stdout

@@ -18,7 +18,7 @@ import tomli_w
 
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.embedded_sim.errors import LONGEST_NAME, shown
-from realitygap.models.log.agreement import STEPS, Driven, disagreement
+from realitygap.models.log.agreement import STEPS, Driven, UnitReading, disagreement
 from realitygap.models.log.course import courses
 from realitygap.models.log.files import checked
 from realitygap.models.log.formats.headers import Header, understood
@@ -29,7 +29,6 @@ from realitygap.models.log.measured import wheel_commands
 from realitygap.models.log.named import numbered
 from realitygap.models.log.plausible import GOOD
 from realitygap.models.log.schema import BODY_COMMANDS, ENCODERS, POSE, UNITS, WHEEL_COMMANDS
-from realitygap.models.log.unit_mistakes import UnitReading
 
 ROWS = 4000
 """Rows of which motion is tried. Our choice: minutes of a robot."""

@@ -18,8 +18,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from realitygap.embedded_sim import InputError
-from realitygap.models.log.formats.asked import Asked, Read
-from realitygap.models.log.formats.tabular import by_any_map
+from realitygap.models.log.formats.tabular import Asked, Read, by_any_map
 from realitygap.models.log.opened import json_values, opened, parsing
 from realitygap.models.log.table_files import LESS, MOST_BYTES, MOST_CELLS, MOST_COLUMNS
 

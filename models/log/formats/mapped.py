@@ -47,7 +47,7 @@ from realitygap.models.log.measured import read_table
 from realitygap.models.log.opened import toml_values
 from realitygap.models.log.schema import KEYS, POSE, UNITS
 
-__all__ = ["SCALES", "File", "Map", "Origin", "Poses", "read_map", "read_mapped"]
+__all__ = ["SCALES", "File", "Map", "Origin", "Poses", "read_map"]
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 
@@ -132,31 +132,6 @@ def read_map(path: Path) -> Map:
     return found
 
 
-def read_mapped(path: Path, map_path: Path, *, drive: Drive | None = None) -> pd.DataFrame:
-    """A file as a measured-log table by a map's file; arguments and refusals as `mapped`."""
-    chosen = read_map(map_path)
-    return mapped(path, chosen, folder=map_path.parent, name=map_path.name, drive=drive)
-
-
-def mapped(
-    path: Path, chosen: Map, *, folder: Path, name: str, drive: Drive | None = None
-) -> pd.DataFrame:
-    """A CSV (or Parquet) file as a measured-log table.
-
-    Args:
-        path: The file.
-        chosen: Its map.
-        folder: What further files are relative to.
-        name: Of the map, in a refusal.
-        drive: The nominal geometry, which turns speeds of a rim into a wheel's; the e-puck's if
-            absent.
-
-    Raises:
-        InputError: a file cannot be used, or a column is missing.
-    """
-    return by_map(read_table(path), chosen, path=path, folder=folder, name=name, drive=drive)
-
-
 def by_map(
     raw: pd.DataFrame,
     chosen: Map,
@@ -164,10 +139,22 @@ def by_map(
     path: Path,
     folder: Path,
     name: str,
-    drive: Drive | None = None,
+    drive: Drive,
 ) -> pd.DataFrame:
-    """A table that was read from `path`; otherwise as `mapped`."""
-    wheels, asked = drive or Drive(), dict(chosen.columns)
+    """A table of a lab as a measured-log table.
+
+    Args:
+        raw: As it was read.
+        chosen: Its map.
+        path: Where it was read from.
+        folder: What further files are relative to.
+        name: Of the map, in a refusal.
+        drive: The nominal geometry, which turns speeds of a rim into a wheel's.
+
+    Raises:
+        InputError: a file cannot be used, or a column is missing.
+    """
+    asked = dict(chosen.columns)
     further = [(folder / one.file, dict(one.columns)) for one in chosen.files]
     tables = {one: read_table(one) for one in dict.fromkeys(one for one, _ in further)}
     if chosen.poses is not None:
@@ -176,11 +163,11 @@ def by_map(
         own = {n: asked.pop(n) for n in POSE if n in asked}
         keys = {k: asked[k] for k in KEYS if k in asked and _source(asked[k]).name in seen}
         further.append((place, {"t": chosen.poses.t, **own, **keys}))
-    first = _columns(raw, asked, path, wheels)
+    first = _columns(raw, asked, path, drive)
     if not further:
         first = with_speeds(first)
         return first if "robot" in first else first.assign(robot=0)
-    others = [_columns(tables[place], columns, place, wheels) for place, columns in further]
+    others = [_columns(tables[place], columns, place, drive) for place, columns in further]
     table = merged([first, *others], f"{name}: columns")
     return table if "robot" in table else table.assign(robot=0)
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from realitygap.embedded_sim import InputError
+from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.log.files import checked
-from realitygap.models.log.formats.asked import Asked, Read
 from realitygap.models.log.formats.bag import Heard, Said, hear, open_bag
 from realitygap.models.log.formats.joined import latest
 from realitygap.models.log.formats.streams import merged
+from realitygap.models.log.formats.tabular import Asked, Read
 from realitygap.models.log.formats.topics import (
     BagMap,
     Frames,
@@ -22,10 +24,59 @@ from realitygap.models.log.formats.topics import (
     guess_topics,
     read_bag_map,
 )
-from realitygap.models.log.formats.transforms import chain, composed
 from realitygap.models.log.formats.units import ANGLES, heading
 from realitygap.models.log.opened import parsing
 from realitygap.models.log.schema import ENCODERS, ODOMETRY, POSE
+
+Link = tuple[str, str]
+"""Parent and child frame."""
+
+
+def chain(links: Mapping[Link, object], frame: str, within: str, field: str) -> list[Link]:
+    """The links from an outer frame to an inner one, outermost first.
+
+    Raises:
+        InputError: they do not lead there.
+    """
+    parents = {child: parent for parent, child in links}
+    path: list[Link] = []
+    at = frame
+    while at != within and at in parents and len(path) <= len(links):
+        path.insert(0, (parents[at], at))
+        at = parents[at]
+    if at != within or not path:
+        listed = ", ".join(f"{parent} > {child}" for parent, child in sorted(links))
+        raise InputError(field, f"no way from {within} to {frame}", f"frames among {listed}")
+    return path
+
+
+def composed(parts: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray]:
+    """Times and poses of the innermost frame of a chain in its outermost.
+
+    Every link holds until it is sent again; a pose stands at each time the innermost link that
+    moves was sent.
+
+    Args:
+        parts: Per link, outermost first, its times (n,) in s, increasing, and its poses (n, 7): x,
+            y, z and a quaternion.
+
+    Returns:
+        (n,) s and (n, 7) poses.
+    """
+    from scipy.spatial.transform import Rotation  # a tenth of a second, and few logs have frames
+
+    moving = [times for times, _ in parts if len(times) > 1]
+    when = moving[-1] if moving else parts[-1][0]
+    begun = max((times[0] for times in moving), default=-np.inf)
+    when = when[when >= begun]
+    place, turn = np.zeros((len(when), 3)), Rotation.identity(len(when))
+    for times, poses in parts:
+        at = np.maximum(np.searchsorted(times, when, side="right") - 1, 0)
+        own = poses[at]
+        place = place + turn.apply(own[:, :3])
+        turn = turn * Rotation.from_quat(own[:, 3:])
+    return when, np.column_stack([place, turn.as_quat()])
+
 
 GUESSED = Path("guessed map")
 

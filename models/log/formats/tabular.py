@@ -1,18 +1,46 @@
-"""Tables of any lab, by their user's map or by one that is guessed."""
+"""What any format's reader is asked, and tables of any lab, by a map that is given or guessed."""
 
 from __future__ import annotations
 
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import pandas as pd
 
+from realitygap.embedded_sim import Drive
 from realitygap.models.log.files import checked
-from realitygap.models.log.formats.asked import Asked, Read
 from realitygap.models.log.formats.guess import guess
 from realitygap.models.log.formats.mapped import Map, by_map, read_map
 from realitygap.models.log.measured import read_table
 from realitygap.models.log.opened import parsing
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """How to read a source."""
+
+    drive: Drive
+    """The nominal geometry: it turns ticks, speeds of a rim and of a body into a wheel's."""
+    fastest: float | None = None
+    """rad/s, most a wheel of this robot turns; None: nobody has said which robot it is."""
+    map: Path | None = None
+    """Which column or topic is what (TOML); None: it is guessed."""
+    guessed: str = ""
+    """The map guessed from a source before, which holds for those that follow."""
+    commands: Path | None = None
+    """A file of commands, where the source has poses alone."""
+
+
+class Read(NamedTuple):
+    """A source that was read."""
+
+    table: pd.DataFrame
+    """With columns of the measured log."""
+    guessed: str = ""
+    """The map it was read by, as TOML, if it was guessed."""
+
 
 GUESSED = Path("guessed map")
 """What a guessed map is called in a refusal."""

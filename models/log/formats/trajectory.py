@@ -15,11 +15,10 @@ import pandas as pd
 
 from realitygap.embedded_sim import InputError
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.log.formats.asked import Asked, Read
 from realitygap.models.log.formats.guess import guess
 from realitygap.models.log.formats.numbers import read_numbers
 from realitygap.models.log.formats.streams import merged
-from realitygap.models.log.formats.tabular import by_any_map
+from realitygap.models.log.formats.tabular import Asked, Read, by_any_map
 from realitygap.models.log.formats.units import heading
 from realitygap.models.log.measured import read_table
 from realitygap.models.log.schema import POSE

@@ -10,9 +10,9 @@ import pandas as pd
 
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.embedded_sim.model import FloatArray
+from realitygap.models.log.agreement import EPUCK_STEPS
 from realitygap.models.log.opened import parsing
 from realitygap.models.log.schema import ENCODERS, UNITS, WHEEL_COMMANDS
-from realitygap.models.log.unit_mistakes import EPUCK_STEPS
 
 SCALES: dict[str, dict[str, float]] = {
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},

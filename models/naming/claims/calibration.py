@@ -37,7 +37,7 @@ from realitygap.models.naming.claims.written import written
 from realitygap.models.naming.diagnosis import Calibrated, Diagnosis
 from realitygap.models.naming.engine.hypothesis import Terms
 from realitygap.models.naming.engine.threads import one_thread
-from realitygap.models.naming.laws.written import law_table
+from realitygap.models.naming.laws.found import law_table
 from realitygap.models.naming.rules import Rules
 
 GEOMETRY = ("wheel_radius_scale", "wheel_radius_mismatch", "wheel_separation")

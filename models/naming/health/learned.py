@@ -22,8 +22,7 @@ from realitygap.models.naming.engine.state import SWARM, State
 from realitygap.models.naming.engine.subject import Subject
 from realitygap.models.naming.engine.threads import one_thread
 from realitygap.models.naming.engine.weighed import Weighed
-from realitygap.models.naming.health.inherent import INHERENT
-from realitygap.models.naming.health.reference import Column, Reference
+from realitygap.models.naming.health.reference import INHERENT, Column, Reference
 from realitygap.models.naming.rules import Rules
 
 STARTS = ((0.0, 0.0, -0.005, 0.009, -0.2, 0.0), (0.0, 0.0, 0.02, 0.05, -0.5, 0.0))

@@ -17,7 +17,7 @@ from realitygap.models.log.files import read_json, write_json
 from realitygap.models.naming.engine.health import Health, Told
 from realitygap.models.naming.engine.threads import one_thread
 from realitygap.models.naming.health.learned import spreads
-from realitygap.models.naming.health.reference import Spreads, shipped_file
+from realitygap.models.naming.health.reference import Spreads
 
 SCHEMA = 2
 """Of the file. No rule."""
@@ -73,9 +73,3 @@ def read_sense_reference(path: Path) -> SenseReference:
 def beside(motion: Path) -> Path:
     """Where the reference of the senses lies that belongs to one of motion."""
     return motion.with_suffix(".senses.json")
-
-
-def shipped_sense_reference(model: str) -> SenseReference | None:
-    """The usual one that comes with the package for a model of this name; None: there is none."""
-    motion = shipped_file(model)
-    return None if motion is None else read_sense_reference(beside(motion))

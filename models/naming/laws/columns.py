@@ -13,7 +13,6 @@ import numpy as np
 from realitygap.embedded_sim.laws import STANDS, Atom, Channel
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.law_values import Known, product
-from realitygap.models.naming.channels.motion.fit import Problem
 from realitygap.models.naming.channels.motion.flexible import Steps
 from realitygap.models.naming.channels.motion.predict import poses, wheel_angles
 from realitygap.models.naming.channels.motion.robot import Robot
@@ -39,8 +38,7 @@ class LawColumns:
         self.robot = robot
         predicted = poses(tracks, [motion])
         self._steps = Steps(tracks, predicted)
-        heading = Problem(tracks, [motion]).fitter.aligned(predicted).heading
-        self._cos, self._sin = np.cos(heading), np.sin(heading)
+        self._cos, self._sin = np.cos(predicted[:, 2]), np.sin(predicted[:, 2])
         self._axle = motion.drive.axle
         self._noise = tracks.noise
         took = np.diff(tracks.t[tracks.rows], prepend=0.0)

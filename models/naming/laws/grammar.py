@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from realitygap.embedded_sim.laws import CHANNELS, Atom, Channel, Form, Quantity
-from realitygap.models.belief.withheld import any_withheld
+from realitygap.models.belief.catalogue import any_withheld
 
 SPEED = 0.1
 """m/s that speeds are told in. No rule, as all numbers here: units and grids, which refinement

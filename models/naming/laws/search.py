@@ -13,9 +13,8 @@ from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.law_words import equation, reading
 from realitygap.models.naming.channels.motion.robot import Robot
 from realitygap.models.naming.engine.marginal import EMPTY
-from realitygap.models.naming.laws.amplitude import NORMAL, amounts
+from realitygap.models.naming.laws.amplitude import NORMAL, CurveOf, amounts, curve
 from realitygap.models.naming.laws.columns import LawColumns
-from realitygap.models.naming.laws.curves import CurveOf, curve
 from realitygap.models.naming.laws.decoys import of_another, shifted
 from realitygap.models.naming.laws.found import Amount, FoundLaw
 from realitygap.models.naming.laws.grammar import Candidate, candidates

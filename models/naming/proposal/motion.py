@@ -9,9 +9,8 @@ import numpy as np
 
 from realitygap.embedded_sim import CONTROL_STEP, Diverged
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.catalogue import causes, withheld
 from realitygap.models.belief.motion import Motion
-from realitygap.models.belief.withheld import withheld
 from realitygap.models.log.schema import ENCODERS
 from realitygap.models.naming.channels.motion.candidates import own_starts
 from realitygap.models.naming.channels.motion.examination import Examination

@@ -1,32 +1,78 @@
-"""The matrix from beginning to end: the logs that are missing, then the cells and the page."""
+"""The matrix from beginning to end: the logs that are missing, then the cells and the page.
+
+Each log is recorded, changed as its condition says, and diagnosed by another process. A changed log
+does not say what recorded it: a lab's would not, and its rows may no longer be those of the
+recorder. Of a run only its log is kept, and only until the next run.
+"""
 
 from __future__ import annotations
 
-from functools import partial
+from dataclasses import replace
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from realitygap.models.belief.modelfile import Circle, Lamps, Point
+from realitygap.reality.arena import ForagingArena
 from realitygap.reality.engine import DEFAULT
 from realitygap.reality.rays import DEFAULT_RAYS
-from realitygap.studies.blind.conditions.diagnosed import diagnose_cell
-from realitygap.studies.blind.conditions.matrix import CONDITIONS, MatrixConfig, plan
+from realitygap.studies.blind.conditions.matrix import CONDITIONS, CellLog, MatrixConfig, plan
 from realitygap.studies.blind.conditions.page import write_pages
-from realitygap.studies.blind.conditions.scores import (
-    cells_of,
-    log_result,
-    logs_table,
-    summary,
-)
-from realitygap.studies.blind.directory import BlindDirectory
-from realitygap.studies.blind.examiner import ask
-from realitygap.studies.blind.missing import do_missing
-from realitygap.studies.blind.record import Diagnosed
+from realitygap.studies.blind.conditions.scores import cells_of, log_result, logs_table, summary
+from realitygap.studies.blind.directory import BlindDirectory, do_missing
+from realitygap.studies.blind.examiner import LOG, ask
+from realitygap.studies.blind.record import Diagnosed, Task, answered
+from realitygap.studies.inputs.model import Model
 from realitygap.studies.plumbing.execution import Workers
 from realitygap.studies.plumbing.output import whole_file
 from realitygap.studies.plumbing.provenance import commit, versions, write_json
+from realitygap.studies.plumbing.rooms import scratch
 from realitygap.studies.plumbing.typed import option, typed
+from realitygap.studies.run.experiment import ANONYMOUS, RunConfig, simulate
+
+
+def diagnose_cell(task: Task) -> dict[str, Any]:
+    """Record, change, diagnose: see `answered`. Executed by a worker."""
+    assert isinstance(task.trial, CellLog)
+    return answered(task, partial(write_given, task.trial))
+
+
+def write_given(cell: CellLog, given: Path) -> None:
+    """All that a diagnosis is given: the log, and the model if it is not the shipped one.
+
+    Args:
+        cell: Which.
+        given: A directory that is there, and empty.
+    """
+    condition = CONDITIONS[cell.condition]
+    log = _recorded(cell.run, cell.specs)
+    condition.change(log, cell.random).to_parquet(given / LOG, index=False)
+    if condition.arena_radius is not None:
+        _told(condition.arena_radius).keep(given)
+
+
+@lru_cache(maxsize=1)
+def _recorded(run: RunConfig, specs: tuple[str, ...]) -> pd.DataFrame:
+    """The log of a run; cells that share one come one after another."""
+    with scratch() as out:
+        simulate(run, specs, out, name=ANONYMOUS)
+        return pd.read_parquet(out / LOG)
+
+
+def _told(arena_radius: float) -> Model:
+    """The shipped model in an arena of that radius (m)."""
+    model = Model.load()
+    assert model.file.arena is not None
+    there = ForagingArena(arena_radius)
+    x, y, radius = there.nest
+    nest = Circle(x=x, y=y, radius=radius)
+    arena = model.file.arena.model_copy(update={"radius": arena_radius, "nest": nest})
+    first, _, third = (place and Point(x=place[0], y=place[1]) for place in there.lamps)
+    lamps = Lamps(opposite=first, at_nest=third)
+    return replace(model, file=model.file.model_copy(update={"arena": arena, "lamps": lamps}))
+
 
 SCHEMA = 1
 

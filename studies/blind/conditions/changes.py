@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -32,201 +31,159 @@ def unchanged(log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
     return log
 
 
-@dataclass(frozen=True)
-class EveryNth:
+def every_nth(n: int) -> Change:
     """Of every robot the first row of `n`; what was commanded in between is lost."""
-
-    n: int
-
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
-        return _rows(log, _row(log) % self.n == 0)
+    return lambda log, random: _rows(log, _row(log) % n == 0)
 
 
-@dataclass(frozen=True)
-class Resampled:
+def resampled(rate: float) -> Change:
     """Rows at another rate (Hz); poses are interpolated between their neighbours."""
 
-    rate: float
+    def anew(track: pd.DataFrame) -> pd.DataFrame:
+        first, last = track["t"].iloc[0], track["t"].iloc[-1]
+        rows = math.floor((last - first) * rate + 1e-6) + 1
+        return _at(track, first + np.arange(rows) / rate)
 
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
-        def anew(track: pd.DataFrame) -> pd.DataFrame:
-            first, last = track["t"].iloc[0], track["t"].iloc[-1]
-            rows = math.floor((last - first) * self.rate + 1e-6) + 1
-            return _at(track, first + np.arange(rows) / self.rate)
-
-        return _by_track(log, anew)
+    return lambda log, random: _by_track(log, anew)
 
 
-@dataclass(frozen=True)
-class PoseEvery:
+def pose_every(n: int) -> Change:
     """A pose in the first row of `n` only."""
 
-    n: int
-
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
-        there = (_row(log) % self.n == 0).to_numpy()[:, None]
+    def change(log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
+        there = (_row(log) % n == 0).to_numpy()[:, None]
         return _posed(log, np.where(there, log[POSE].to_numpy(), np.nan))
 
+    return change
 
-@dataclass(frozen=True)
-class Held:
+
+def held(n: int) -> Change:
     """A tracker slower than the log: the first pose of `n` rows is repeated in the others."""
 
-    n: int
+    def change(log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
+        group = _row(log) // n
+        first = log.groupby([*TRACK, group], observed=True)[POSE].transform("first")
+        return log.assign(**{name: first[name] for name in POSE})
 
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
-        group = _row(log) // self.n
-        held = log.groupby([*TRACK, group], observed=True)[POSE].transform("first")
-        return log.assign(**{name: held[name] for name in POSE})
+    return change
 
 
-@dataclass(frozen=True)
-class Averaged:
+def averaged(n: int) -> Change:
     """Every pose the mean of `n`, itself in the middle; fewer at a track's ends."""
-
-    n: int
-
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
-        return _filtered(
-            log, lambda poses: poses.rolling(self.n, center=True, min_periods=1).mean()
-        )
+    return lambda log, random: _filtered(
+        log, lambda poses: poses.rolling(n, center=True, min_periods=1).mean()
+    )
 
 
-@dataclass(frozen=True)
-class Lowpassed:
+def lowpassed(seconds: float) -> Change:
     """A causal first-order filter of poses with this time constant (s)."""
 
-    seconds: float
-
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
-        share = 1.0 - math.exp(-_step(log) / self.seconds)
+    def change(log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
+        share = 1.0 - math.exp(-_step(log) / seconds)
         return _filtered(log, lambda poses: poses.ewm(alpha=share, adjust=False).mean())
 
+    return change
 
-@dataclass(frozen=True)
-class Noisier:
+
+def noisier(times: float) -> Change:
     """The tracker's white noise is this many times what it was."""
 
-    times: float
-
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
-        added = math.sqrt(self.times**2 - 1.0)
+    def change(log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
+        added = math.sqrt(times**2 - 1.0)
         scale = added * np.array([k.TRACKER_NOISE, k.TRACKER_NOISE, k.TRACKER_YAW_NOISE])
         return _posed(log, log[POSE].to_numpy() + scale * random.standard_normal((len(log), 3)))
 
+    return change
 
-@dataclass(frozen=True)
-class Outliers:
+
+def outliers(share: float) -> Change:
     """This share of poses lies anywhere near the right one."""
 
-    share: float
-
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
-        wild = random.random(len(log)) < self.share
+    def change(log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
+        wild = random.random(len(log)) < share
         thrown = np.array(OUTLIER) * random.standard_normal((len(log), 3))
         return _posed(log, log[POSE].to_numpy() + wild[:, None] * thrown)
 
+    return change
 
-@dataclass(frozen=True)
-class Quantised:
+
+def quantised(length: float, angle: float) -> Change:
     """Positions in whole steps of `length` (m), headings of `angle` (rad)."""
-
-    length: float
-    angle: float
-
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
-        step = np.array([self.length, self.length, self.angle])
-        return _posed(log, np.rint(log[POSE].to_numpy() / step) * step)
+    step = np.array([length, length, angle])
+    return lambda log, random: _posed(log, np.rint(log[POSE].to_numpy() / step) * step)
 
 
-@dataclass(frozen=True)
-class Jittered:
+def jittered(seconds: float) -> Change:
     """Stamps are off by this standard deviation (s)."""
 
-    seconds: float
-
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
+    def change(log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
         z = np.clip(random.standard_normal(len(log)), -MOST_JITTER, MOST_JITTER)
-        return log.assign(t=log["t"] + self.seconds * z)
+        return log.assign(t=log["t"] + seconds * z)
+
+    return change
 
 
-@dataclass(frozen=True)
-class Merged:
+def merged(direction: str) -> Change:
     """Poses are measured between commands, and each gets the `backward` or `nearest` command.
 
     A tracker's rows begin anywhere in the robots' step. What the robots log comes with commands.
     """
 
-    direction: str
-
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
+    def change(log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
         step = _step(log)
         late = step * random.uniform(0.05, 0.95)
-        ahead = step if self.direction == "nearest" and late > 0.5 * step else 0.0
+        ahead = step if direction == "nearest" and late > 0.5 * step else 0.0
 
-        def merged(track: pd.DataFrame) -> pd.DataFrame:
+        def anew(track: pd.DataFrame) -> pd.DataFrame:
             kept = track["t"].iloc[:-1] + late
             poses = _at(track, kept.to_numpy())
             given = _at(track, kept.to_numpy() - late + ahead)
             return given.assign(t=poses["t"], **{name: poses[name] for name in POSE})
 
-        return _by_track(log, merged)
+        return _by_track(log, anew)
+
+    return change
 
 
-@dataclass(frozen=True)
-class TrackerFast:
+def tracker_fast(rate: float) -> Change:
     """The tracker's clock is faster than the robots' by this share; both began together.
 
     A pose that bears a time of the robots is older, and ever more so.
     """
 
-    rate: float
+    def drifted(track: pd.DataFrame) -> pd.DataFrame:
+        first = track["t"].iloc[0]
+        seen = _at(track, (first + (track["t"] - first) / (1.0 + rate)).to_numpy())
+        return track.assign(**{name: seen[name].to_numpy() for name in POSE})
 
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
-        def drifted(track: pd.DataFrame) -> pd.DataFrame:
-            first = track["t"].iloc[0]
-            seen = _at(track, (first + (track["t"] - first) / (1.0 + self.rate)).to_numpy())
-            return track.assign(**{name: seen[name].to_numpy() for name in POSE})
-
-        return _by_track(log, drifted)
+    return lambda log, random: _by_track(log, drifted)
 
 
-@dataclass(frozen=True)
-class Framed:
+def framed(
+    angle: float = 0.0, scale: float = 1.0, shift: tuple[float, float] = (0.0, 0.0)
+) -> Change:
     """Another frame: turned by `angle` (rad) about the origin, then scaled, then shifted (m)."""
 
-    angle: float = 0.0
-    scale: float = 1.0
-    shift: tuple[float, float] = (0.0, 0.0)
-
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
+    def change(log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
         x, y, yaw = log[POSE].to_numpy().T
-        c, s = math.cos(self.angle), math.sin(self.angle)
-        turned = (
-            self.scale * np.stack([c * x - s * y, s * x + c * y]) + np.array(self.shift)[:, None]
-        )
-        yaw = yaw if self.angle == 0.0 else _wrapped(yaw + self.angle)
+        c, s = math.cos(angle), math.sin(angle)
+        turned = scale * np.stack([c * x - s * y, s * x + c * y]) + np.array(shift)[:, None]
+        yaw = yaw if angle == 0.0 else _wrapped(yaw + angle)
         return _posed(log, np.column_stack([*turned, yaw]))
 
+    return change
 
-@dataclass(frozen=True)
-class First:
+
+def first(seconds: float) -> Change:
     """The first seconds alone."""
-
-    seconds: float
-
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
-        return _rows(log, log["t"] < log["t"].min() + self.seconds - 1e-9)
+    return lambda log, random: _rows(log, log["t"] < log["t"].min() + seconds - 1e-9)
 
 
-@dataclass(frozen=True)
-class Without:
+def without(*beginnings: str) -> Change:
     """Columns that begin with one of these are not logged."""
-
-    beginnings: tuple[str, ...]
-
-    def __call__(self, log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:
-        return log.drop(columns=[name for name in log.columns if name.startswith(self.beginnings)])
+    return lambda log, random: log.drop(
+        columns=[name for name in log.columns if name.startswith(beginnings)]
+    )
 
 
 def without_odd_robots(log: pd.DataFrame, random: np.random.Generator) -> pd.DataFrame:

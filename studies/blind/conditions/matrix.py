@@ -71,42 +71,42 @@ CONDITIONS: Mapping[str, LogCondition] = {
     one.name: one
     for one in (
         LogCondition("as-recorded", "nothing but that nobody says what recorded it"),
-        LogCondition("row-of-2", "every second row", c.EveryNth(2)),
-        LogCondition("row-of-4", "every fourth row", c.EveryNth(4)),
-        LogCondition("rate-10", "interpolated to 10 Hz", c.Resampled(10.0)),
-        LogCondition("rate-12.5", "interpolated to 12.5 Hz", c.Resampled(12.5)),
-        LogCondition("rate-20", "interpolated to 20 Hz", c.Resampled(20.0)),
-        LogCondition("rate-50", "interpolated to 50 Hz", c.Resampled(50.0)),
-        LogCondition("pose-of-2", "a pose in every second row only", c.PoseEvery(2)),
-        LogCondition("pose-of-5", "a pose in every fifth row only", c.PoseEvery(5)),
-        LogCondition("held-2", "every second pose repeats the one before", c.Held(2)),
-        LogCondition("average-3", "poses averaged over 3 rows, centred", c.Averaged(3)),
-        LogCondition("average-5", "poses averaged over 5 rows, centred", c.Averaged(5)),
+        LogCondition("row-of-2", "every second row", c.every_nth(2)),
+        LogCondition("row-of-4", "every fourth row", c.every_nth(4)),
+        LogCondition("rate-10", "interpolated to 10 Hz", c.resampled(10.0)),
+        LogCondition("rate-12.5", "interpolated to 12.5 Hz", c.resampled(12.5)),
+        LogCondition("rate-20", "interpolated to 20 Hz", c.resampled(20.0)),
+        LogCondition("rate-50", "interpolated to 50 Hz", c.resampled(50.0)),
+        LogCondition("pose-of-2", "a pose in every second row only", c.pose_every(2)),
+        LogCondition("pose-of-5", "a pose in every fifth row only", c.pose_every(5)),
+        LogCondition("held-2", "every second pose repeats the one before", c.held(2)),
+        LogCondition("average-3", "poses averaged over 3 rows, centred", c.averaged(3)),
+        LogCondition("average-5", "poses averaged over 5 rows, centred", c.averaged(5)),
         LogCondition(
-            "filter-80", "a causal filter of poses, first order, 80 ms", c.Lowpassed(0.08)
+            "filter-80", "a causal filter of poses, first order, 80 ms", c.lowpassed(0.08)
         ),
-        LogCondition("noise-2", "twice the tracker's noise", c.Noisier(2.0)),
-        LogCondition("noise-4", "four times the tracker's noise", c.Noisier(4.0)),
-        LogCondition("outliers", "2 % of poses thrown by 0.1 m and 1 rad", c.Outliers(0.02)),
+        LogCondition("noise-2", "twice the tracker's noise", c.noisier(2.0)),
+        LogCondition("noise-4", "four times the tracker's noise", c.noisier(4.0)),
+        LogCondition("outliers", "2 % of poses thrown by 0.1 m and 1 rad", c.outliers(0.02)),
         LogCondition(
-            "quantised", "in steps of 1 mm and 1 degree", c.Quantised(1e-3, math.radians(1))
+            "quantised", "in steps of 1 mm and 1 degree", c.quantised(1e-3, math.radians(1))
         ),
-        LogCondition("jitter", "stamps off by 5 ms", c.Jittered(0.005)),
-        LogCondition("merge-nearest", "the nearest command for each pose", c.Merged("nearest")),
-        LogCondition("merge-backward", "the last command for each pose", c.Merged("backward")),
-        LogCondition("clock-rate", "a tracker's clock faster by 0.1 %", c.TrackerFast(1e-3)),
-        LogCondition("turned-37", "a frame turned by 37 degrees", c.Framed(math.radians(37.0))),
-        LogCondition("turned-90", "a frame turned by 90 degrees", c.Framed(math.pi / 2.0)),
-        LogCondition("shifted", "a frame shifted by 2 m along x", c.Framed(shift=(2.0, 0.0))),
-        LogCondition("scaled", "a tracker whose metre is 1 % short", c.Framed(scale=1.01)),
+        LogCondition("jitter", "stamps off by 5 ms", c.jittered(0.005)),
+        LogCondition("merge-nearest", "the nearest command for each pose", c.merged("nearest")),
+        LogCondition("merge-backward", "the last command for each pose", c.merged("backward")),
+        LogCondition("clock-rate", "a tracker's clock faster by 0.1 %", c.tracker_fast(1e-3)),
+        LogCondition("turned-37", "a frame turned by 37 degrees", c.framed(math.radians(37.0))),
+        LogCondition("turned-90", "a frame turned by 90 degrees", c.framed(math.pi / 2.0)),
+        LogCondition("shifted", "a frame shifted by 2 m along x", c.framed(shift=(2.0, 0.0))),
+        LogCondition("scaled", "a tracker whose metre is 1 % short", c.framed(scale=1.01)),
         *_arena(0.5),
         *_arena(0.8),
         *(_robots(number) for number in (1, 2, 3, 6, 15)),
         LogCondition("half-unlogged", "every second robot is not in the log", c.without_odd_robots),
-        *(LogCondition(f"seconds-{s}", f"the first {s} s", c.First(s)) for s in (10, 20, 40)),
-        LogCondition("no-sensors", "no sensors", c.Without(("ps", "ls", "food", "nest"))),
-        LogCondition("no-encoders", "no encoders", c.Without(("wheel_",))),
-        LogCondition("no-yaw", "positions without yaw", c.Without(("yaw",))),
+        *(LogCondition(f"seconds-{s}", f"the first {s} s", c.first(s)) for s in (10, 20, 40)),
+        LogCondition("no-sensors", "no sensors", c.without("ps", "ls", "food", "nest")),
+        LogCondition("no-encoders", "no encoders", c.without("wheel_")),
+        LogCondition("no-yaw", "positions without yaw", c.without("yaw")),
         LogCondition("build-0.5", "parts that differ by 0.5 %", run={"build_spread": 0.005}),
         LogCondition("build-1", "parts that differ by 1 %", run={"build_spread": 0.01}),
     )
@@ -219,9 +219,5 @@ def _cell(config: MatrixConfig, index: int, state: str, condition: LogCondition)
 def _at_bar(name: str, robot: int, random: np.random.Generator) -> Hidden:
     """An effect of that robot, or of the place, as large as must be named."""
     entry = MENU[name]
-    values = {
-        key: float(value) if isinstance(value, int | float) else str(value)
-        for key, value in entry.values(entry.bar, random).items()
-    }
     robots = (robot,) if catalogue()[name].per_robot else ()
-    return Hidden(name, values, robots, entry.bar, 1.0)
+    return Hidden(name, entry.drawn(entry.bar, random), robots, entry.bar, 1.0)

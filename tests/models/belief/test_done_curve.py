@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from realitygap.embedded_sim import InputError
-from realitygap.models.belief.done_curve import DoneCurve
 from realitygap.models.belief.extended import extended_text, read_back
 from realitygap.models.belief.extension import Extension
+from realitygap.models.belief.law_tables import DoneCurve
 from realitygap.models.belief.modelfile import read_model_file
 
 OURS = DoneCurve(robots=(3,), wheel="left", told=(-6.0, 0.0, 6.0), done=(-5.0, 0.0, 5.5))

@@ -17,7 +17,7 @@ from realitygap.embedded_sim.laws import Atom, Law
 from realitygap.models.belief.extended import extended_text, read_back
 from realitygap.models.belief.extension import Extension
 from realitygap.models.belief.modelfile import read_model_file
-from realitygap.models.gap.around import carried_on
+from realitygap.models.gap.conditions import carried_on
 from tests.helpers import realitygap
 
 LAW: dict[str, Any] = {

@@ -11,10 +11,9 @@ import pytest
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.models.belief.modelfile import read_model_file
 from realitygap.models.log.formats import bag as bags
-from realitygap.models.log.formats.asked import Asked
 from realitygap.models.log.formats.optiodom import read_optiodom
-from realitygap.models.log.formats.rosbag import bag_topics, read_bag
-from realitygap.models.log.formats.transforms import chain, composed
+from realitygap.models.log.formats.rosbag import bag_topics, chain, composed, read_bag
+from realitygap.models.log.formats.tabular import Asked
 from realitygap.models.log.measured import make_log
 from tests.models.bags import EPOCH, KINDS, LATE, commands, poses, together, write_bag
 from tests.models.small import driven_log, shared_data

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from realitygap.models.log.dialect import BLANKS, Dialect, dialect
-from realitygap.models.log.table_files import read_csv
+from realitygap.models.log.table_files import BLANKS, Dialect, dialect, read_csv
 from tests.models.small import driven_log
 
 LOG = driven_log(1, rows=60).drop(columns="run")

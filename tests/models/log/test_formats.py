@@ -4,14 +4,13 @@ import pytest
 
 from realitygap.embedded_sim import InputError, replay
 from realitygap.models.belief.modelfile import load_model
-from realitygap.models.gap.horizons import horizon_errors
 from realitygap.models.gap.replay import replay_log
+from realitygap.models.gap.whole import horizon_errors
 from realitygap.models.log.formats.joined import join
-from realitygap.models.log.formats.mapped import read_mapped
 from realitygap.models.log.formats.mrclam import read_mrclam
 from realitygap.models.log.measured import make_log
 from realitygap.models.log.noise import PoseNoise
-from tests.models.small import driven_log, random_commands
+from tests.models.small import driven_log, random_commands, read_mapped
 
 CREATE = load_model("create", sensors="ignored").drive
 EPUCK = load_model("epuck", sensors="ignored").drive

@@ -11,10 +11,9 @@ import pytest
 
 from realitygap.embedded_sim import Drive, InputError
 from realitygap.models.belief.modelfile import load_model
-from realitygap.models.log.formats.asked import Asked
 from realitygap.models.log.formats.guess import guess
 from realitygap.models.log.formats.headers import understood
-from realitygap.models.log.formats.tabular import by_any_map
+from realitygap.models.log.formats.tabular import Asked, by_any_map
 from realitygap.models.log.measured import make_log
 from tests.models.small import driven_log, shared_data
 

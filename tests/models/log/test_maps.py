@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from realitygap.embedded_sim import Drive, InputError
-from realitygap.models.log.formats.mapped import read_map, read_mapped
+from realitygap.models.log.formats.mapped import read_map
 from realitygap.models.log.formats.units import heading
 from realitygap.models.log.frames import wrapped
 from realitygap.models.log.measured import make_log
-from tests.models.small import driven_log
+from tests.models.small import driven_log, read_mapped
 
 DRIVE = Drive(wheel_radius=(0.03, 0.04))
 FRAME = driven_log(5, rows=400, drive=DRIVE)

@@ -11,8 +11,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from realitygap.embedded_sim import Drive, InputError
-from realitygap.models.log.formats.asked import Asked
 from realitygap.models.log.formats.lerobot import read_lerobot
+from realitygap.models.log.formats.tabular import Asked
 from realitygap.models.log.formats.trajectory import read_euroc, read_tum
 from realitygap.models.log.measured import make_log
 from tests.models.small import driven_log

@@ -10,10 +10,9 @@ import pandas as pd
 import pytest
 
 from realitygap.embedded_sim import Drive, replay
-from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.catalogue import causes, where
 from realitygap.models.belief.modelfile import read_model_file
 from realitygap.models.belief.motion import Motion
-from realitygap.models.belief.withheld import where
 from realitygap.models.log.measured import make_log
 from realitygap.models.naming.channels.motion.diagnose import diagnose
 from realitygap.models.naming.channels.motion.fit import Problem
@@ -21,9 +20,8 @@ from realitygap.models.naming.channels.motion.predict import poses, wheel_angles
 from realitygap.models.naming.channels.motion.tracks import Tracks, cut_tracks
 from realitygap.models.naming.diagnosis import Diagnosis, alternatives, as_json
 from realitygap.models.naming.engine.hypothesis import Term
-from realitygap.models.naming.health.inherent import INHERENT
 from realitygap.models.naming.health.learned import fit_inherent, make_reference, told_of
-from realitygap.models.naming.health.reference import Reference
+from realitygap.models.naming.health.reference import INHERENT, Reference
 from tests.models.small import driven_log
 
 MODEL = read_model_file("epuck").model_copy(update={"arena": None})

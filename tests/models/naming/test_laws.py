@@ -27,7 +27,7 @@ from realitygap.models.naming.laws.found import Amount, FoundLaw
 from realitygap.models.naming.laws.grammar import Candidate
 from realitygap.models.naming.laws.judged import Panel
 from realitygap.models.naming.laws.selection import LawRobot, guarded
-from realitygap.models.naming.laws.useful import HARMS, USELESS, _judged
+from realitygap.models.naming.laws.told import HARMS, USELESS, _judged
 from realitygap.models.naming.rules import Rules
 from tests.golden.answers import log_file
 

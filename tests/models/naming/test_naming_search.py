@@ -20,12 +20,12 @@ from realitygap.models.naming.engine.items import Item
 from realitygap.models.naming.engine.marginal import Scored
 from realitygap.models.naming.engine.search import _replacing, contenders, offers, search
 from realitygap.models.naming.engine.seen import away, least_seen
-from realitygap.models.naming.engine.separable import inseparable
 from realitygap.models.naming.engine.state import SWARM, Kept, State
 from realitygap.models.naming.engine.threshold import bracket
 from realitygap.models.naming.engine.weighed import Weighed
 from realitygap.models.naming.findings import Follows, Named
 from realitygap.models.naming.rules import Rules
+from realitygap.models.naming.verdict import inseparable
 from tests.models.linear import cause, flexible, item, name_of, sound, state_of
 
 A, B, C = cause("a"), cause("b"), cause("c")

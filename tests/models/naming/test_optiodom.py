@@ -3,8 +3,8 @@ import pytest
 
 from realitygap.embedded_sim import InputError
 from realitygap.models.belief.modelfile import load_model, read_model_file
-from realitygap.models.gap.horizons import horizon_errors
 from realitygap.models.gap.replay import HORIZONS, replay_log
+from realitygap.models.gap.whole import horizon_errors
 from realitygap.models.log.formats.optiodom import read_optiodom
 from realitygap.models.log.measured import make_log
 from realitygap.models.log.noise import PoseNoise

@@ -26,8 +26,7 @@ from realitygap.models.naming.channels.senses.terms import columns_of
 from realitygap.models.naming.diagnosis import alternatives
 from realitygap.models.naming.engine.hypothesis import Fit, Term
 from realitygap.models.naming.engine.items import Item
-from realitygap.models.naming.health.inherent import INHERENT
-from realitygap.models.naming.health.reference import Column, Reference, no_reference
+from realitygap.models.naming.health.reference import INHERENT, Column, Reference, no_reference
 from realitygap.models.naming.proposal import motion
 from realitygap.models.naming.proposal.ground import Ground
 from realitygap.models.naming.proposal.menu import Proposal, distance, flights, ranked

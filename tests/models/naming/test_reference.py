@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from realitygap.models.naming.health.inherent import INHERENT
-from realitygap.models.naming.health.reference import Column, Reference
+from realitygap.models.naming.health.reference import INHERENT, Column, Reference
 
 NAMES = (
     "motor_lag.time_constant",

@@ -22,10 +22,11 @@ from realitygap.models.naming.channels.senses.diagnose import SenseExamination, 
 from realitygap.models.naming.channels.senses.neighbours import Neighbours
 from realitygap.models.naming.channels.senses.readings import Eye
 from realitygap.models.naming.channels.senses.sight import look
+from realitygap.models.naming.health.reference import shipped_file
 from realitygap.models.naming.health.senses import (
+    beside,
     no_sense_reference,
     read_sense_reference,
-    shipped_sense_reference,
     write_sense_reference,
 )
 from realitygap.models.naming.rules import Rules
@@ -227,8 +228,9 @@ def test_an_extended_model_senses_as_named_for_the_robots_concerned() -> None:
 def test_the_shipped_reference_is_of_the_shipped_robot_and_reads_back_the_same(
     tmp_path: Path,
 ) -> None:
-    shipped = shipped_sense_reference(read_model_file().name)
-    assert shipped is not None
+    motion = shipped_file(read_model_file().name)
+    assert motion is not None
+    shipped = read_sense_reference(beside(motion))
     assert shipped.command.startswith("realitygap reference")
     write_sense_reference(shipped, tmp_path / "again.json")
     assert read_sense_reference(tmp_path / "again.json") == shipped

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.catalogue import causes, without
 from realitygap.models.belief.cause import ALL
 from realitygap.models.belief.senses import Belief
-from realitygap.models.belief.withheld import without
 from realitygap.models.log.held_out import parts
 from realitygap.models.log.measured import make_log
 from realitygap.models.naming.channels.senses.clock import Shift, shifts, told_apart

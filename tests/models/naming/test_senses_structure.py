@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from realitygap.models.belief.withheld import without
+from realitygap.models.belief.catalogue import without
 from realitygap.models.log.schema import LS, PS
 from realitygap.models.naming.channels.senses.diagnose import SenseExamination
 from realitygap.models.naming.diagnosis import Unexplained

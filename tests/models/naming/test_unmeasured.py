@@ -18,8 +18,8 @@ from realitygap.models.log.measured import make_log
 from realitygap.models.log.schema import PS
 from realitygap.models.naming.channels.motion.diagnose import diagnose
 from realitygap.models.naming.channels.senses.diagnose import SenseExamination, diagnose_senses
-from realitygap.models.naming.health.reference import Reference
-from realitygap.models.naming.health.senses import SenseReference, shipped_sense_reference
+from realitygap.models.naming.health.reference import Reference, shipped_file
+from realitygap.models.naming.health.senses import SenseReference, beside, read_sense_reference
 from tests.models.naming.test_identify import HEALTHY, diagnosed, names, reference, table
 from tests.models.naming.test_identify import MODEL as PLAIN
 from tests.models.naming.test_senses import MODEL
@@ -52,9 +52,9 @@ def examined(known: SenseReference) -> SenseExamination:
 
 
 def shipped() -> SenseReference:
-    found = shipped_sense_reference("e-puck")
-    assert found is not None
-    return found
+    motion = shipped_file("e-puck")
+    assert motion is not None
+    return read_sense_reference(beside(motion))
 
 
 def test_a_cause_in_the_senses_that_is_new_to_the_reference_accuses_nobody(

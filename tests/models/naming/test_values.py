@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from realitygap.embedded_sim.senses import Senses
 from realitygap.models.belief.catalogue import every_cause, sense_causes
 from realitygap.models.belief.cause import Cause
-from realitygap.models.belief.causes.command_latency import CAUSE as LATENCY
+from realitygap.models.belief.causes.late import COMMAND_LATENCY as LATENCY
 from realitygap.models.belief.extension import NamedCause, ParameterValue
 from realitygap.models.belief.motion import Motion
 from realitygap.models.belief.senses import Belief, SenseCause
@@ -106,7 +106,7 @@ def test_what_belongs_to_the_place_is_everybodys_however_many_they_are(
 
 
 def test_a_clock_far_too_early_is_not_called_a_latency_that_cannot_be() -> None:
-    from realitygap.models.belief.causes.clock_offset import CAUSE as CLOCK
+    from realitygap.models.belief.causes.late import CLOCK_OFFSET as CLOCK
     from realitygap.models.naming.engine.value import Value
 
     term = Term(CLOCK, "")

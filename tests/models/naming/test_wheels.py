@@ -10,15 +10,14 @@ import pandas as pd
 import pytest
 
 from realitygap.embedded_sim import Drive
-from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.catalogue import causes, where
 from realitygap.models.belief.modelfile import read_model_file
 from realitygap.models.belief.motion import Motion
-from realitygap.models.belief.withheld import where
 from realitygap.models.gap.driven import wheel_turns
 from realitygap.models.log.measured import make_log
 from realitygap.models.naming.channels.motion.diagnose import diagnose
 from realitygap.models.naming.channels.motion.tracks import Tracks, cut_tracks
-from realitygap.models.naming.channels.wheels.halves import before_the_encoders, driven_by_encoders
+from realitygap.models.naming.channels.wheels.chosen import before_the_encoders, driven_by_encoders
 from realitygap.models.naming.channels.wheels.obeyed import obeyed
 from realitygap.models.naming.diagnosis import Diagnosis
 from tests.models.small import driven_log

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.catalogue import causes, withheld
 from realitygap.models.belief.cause import Cause
-from realitygap.models.belief.withheld import withheld
 from realitygap.models.naming.channels.motion.fit import Problem
 from realitygap.models.naming.engine.hypothesis import Term, Terms
 

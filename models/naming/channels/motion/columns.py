@@ -81,9 +81,8 @@ def columns(
     """
     problem = Problem(tracks, motions)
     predicted = poses(tracks, motions)
-    aligned = problem.fitter.aligned(predicted)
     errors = problem.fitter(predicted)
-    seen = _Seen(tracks, aligned.heading)
+    seen = _Seen(tracks, predicted[:, 2])
     found: list[FloatArray] = []
     names: list[str] = []
     items: list[Item] = []
@@ -110,7 +109,8 @@ def columns(
             Item(None, None, quantity, channel, tuple(range(at, at + len(pairs))), always[channel])
         )
     by_name = dict(zip(names, found, strict=True))
-    windows = _windows(tracks, seen, steps, aligned.path, by_name)
+    path = problem.fitter.centred(predicted[:, :2])
+    windows = _windows(tracks, seen, steps, path, by_name)
     return Columns(errors, tuple(items), tuple(names), np.stack(found, axis=2), windows)
 
 

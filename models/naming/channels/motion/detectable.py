@@ -11,10 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.catalogue import causes, withheld
 from realitygap.models.belief.cause import Cause
 from realitygap.models.belief.motion import Motion
-from realitygap.models.belief.withheld import withheld
 from realitygap.models.naming.rules import Rules
 
 

@@ -7,11 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from realitygap.models.belief.catalogue import causes
-from realitygap.models.belief.causes.motor_dead_zone import least_seen
+from realitygap.models.belief.catalogue import causes, without
+from realitygap.models.belief.causes.motors import least_seen
 from realitygap.models.belief.modelfile import ModelFile
 from realitygap.models.belief.motion import Motion
-from realitygap.models.belief.withheld import without
 from realitygap.models.gap.conditions import conditions
 from realitygap.models.gap.replay import replay_log
 from realitygap.models.log.measured import MeasuredLog
@@ -22,7 +21,7 @@ from realitygap.models.naming.channels.motion.identify import identify
 from realitygap.models.naming.channels.motion.leftover import leftover
 from realitygap.models.naming.channels.motion.tracks import Tracks, cut_tracks
 from realitygap.models.naming.channels.motion.unmeasured import unmeasured
-from realitygap.models.naming.channels.wheels.halves import before_the_encoders, driven_by_encoders
+from realitygap.models.naming.channels.wheels.chosen import before_the_encoders, driven_by_encoders
 from realitygap.models.naming.channels.wheels.obeyed import obeyed
 from realitygap.models.naming.claims.calibration import with_calibration
 from realitygap.models.naming.diagnosis import Diagnosis

@@ -44,10 +44,6 @@ class Fitted:
     believed: Terms
     """Of the fit, but for mimics."""
 
-    def values_of(self, one: ToldValue) -> tuple[Value, ...]:
-        """A name's parameters with intervals."""
-        return _values(self.problem, self.fit, one)
-
     @property
     def motions(self) -> list[Motion]:
         """(robots,) motion with the terms that are believed."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
-from realitygap.models.gap.around import asked
+from realitygap.models.gap.conditions import asked
 from realitygap.models.gap.driven import AROUND, driven, recorded, wheel_turns
 from realitygap.models.naming.channels.motion.tracks import Rows, Tracks
 

@@ -18,8 +18,7 @@ import pandas as pd
 from realitygap.embedded_sim import InputError
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.modelfile import ModelFile
-from realitygap.models.gap.around import carried_on
-from realitygap.models.gap.conditions import clear, conditions
+from realitygap.models.gap.conditions import carried_on, clear, conditions
 from realitygap.models.gap.driven import AROUND
 from realitygap.models.gap.replay import replay_log
 from realitygap.models.log.blocks import nth

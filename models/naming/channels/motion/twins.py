@@ -12,10 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.catalogue import causes, withheld
 from realitygap.models.belief.cause import ALL
 from realitygap.models.belief.motion import Motion
-from realitygap.models.belief.withheld import withheld
 from realitygap.models.log.blocks import BLOCK_SECONDS, nth
 from realitygap.models.log.tracker import NORMAL
 from realitygap.models.naming.channels.motion.fit import Problem

@@ -13,9 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.belief.catalogue import causes
+from realitygap.models.belief.catalogue import causes, withheld
 from realitygap.models.belief.motion import Motion
-from realitygap.models.belief.withheld import withheld
 from realitygap.models.naming.channels.senses.robot import LATE, SenseRobot
 from realitygap.models.naming.diagnosis import Unexplained
 from realitygap.models.naming.engine.health import Health

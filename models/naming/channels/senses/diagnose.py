@@ -18,15 +18,13 @@ from realitygap.models.log.held_out import parts
 from realitygap.models.log.measured import MeasuredLog
 from realitygap.models.log.schema import LS, POSE, PS
 from realitygap.models.naming.channels.motion.fitted import Values
-from realitygap.models.naming.channels.senses.detectable import detectable_in
 from realitygap.models.naming.channels.senses.identify import SensesFound, by_part, identify
 from realitygap.models.naming.channels.senses.leap import elsewhere, far_lamps
-from realitygap.models.naming.channels.senses.leftover import leftover
+from realitygap.models.naming.channels.senses.leftover import detectable_in, leftover, unmeasured
 from realitygap.models.naming.channels.senses.nest import Answers, answers
 from realitygap.models.naming.channels.senses.robot import TARGETS, SenseLog
 from realitygap.models.naming.channels.senses.sight import Rows, Sight, look
 from realitygap.models.naming.channels.senses.terms import Doses
-from realitygap.models.naming.channels.senses.unmeasured import unmeasured
 from realitygap.models.naming.diagnosis import Detectable, Unexplained
 from realitygap.models.naming.findings import Named
 from realitygap.models.naming.health.senses import SenseReference, no_sense_reference

@@ -7,9 +7,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
-from realitygap.models.belief.catalogue import sense_causes
+from realitygap.models.belief.catalogue import sense_causes, withheld
 from realitygap.models.belief.senses import Belief, SenseCause
-from realitygap.models.belief.withheld import withheld
 from realitygap.models.naming.engine.hypothesis import Term
 from realitygap.models.naming.engine.items import Item
 
