@@ -19,7 +19,8 @@ from realitygap.models.naming.engine.state import State
 from realitygap.models.naming.engine.weighed import Weighed
 
 MOST = 20
-"""Random effects that are looked for. No rule: a limit of iterations."""
+"""Random effects that are looked for, and times the robots that are closest are asked for again.
+No rule: a limit of iterations."""
 
 
 def differing(state: State) -> State:
@@ -54,8 +55,21 @@ def differing(state: State) -> State:
 
 
 def _gains(weighed: Weighed) -> tuple[FloatArray, FloatArray]:
-    """(robots, k) deviance that each column takes off each robot, and its information."""
-    scores = [weighed.score(k) for k in range(len(weighed.alone))]
-    size = np.array([np.diag(one.information) for one in scores])
-    slope = np.array([one.slope for one in scores])
-    return np.where(size > EMPTY, slope**2 / np.maximum(size, EMPTY), 0.0), size
+    """(robots, k) deviance that each column takes off each robot, and its information.
+
+    Each stands beside what more than half of the robots have in common, those that are closest to
+    it: one robot that is far off would else move all the others away from what they share.
+    """
+    robots = range(len(weighed.alone))
+    most = len(robots) // 2 + 1
+    near = list(robots)
+    for _ in range(MOST):
+        scores = [weighed.beside_some(k, near) for k in robots]
+        size = np.array([np.diag(one.information) for one in scores])
+        slope = np.array([one.slope for one in scores])
+        gain = np.where(size > EMPTY, slope**2 / np.maximum(size, EMPTY), 0.0)
+        far = gain[:, weighed.prior.at].max(axis=1)
+        before, near = near, sorted(np.argsort(far, kind="stable")[:most].tolist())
+        if near == before:
+            break
+    return gain, size

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
@@ -42,6 +44,12 @@ class Weighed:
             return freed(self.common.total, self.free)
         return beside(self.alone[scope], self.common)
 
+    def beside_some(self, k: int, robots: Sequence[int]) -> Scored:
+        """Of every column of a robot, beside what it and some robots have in common."""
+        members = sorted({k, *robots})
+        common = shared([self.alone[j] for j in members], self.spread)
+        return beside(self.alone[k], common)
+
     def with_flexible(self, scope: int) -> Scored:
         """Of every column in a scope, its causes fitted and its flexible terms not."""
         if scope != SWARM:
@@ -78,7 +86,11 @@ class Weighed:
         return _feigning(self.prior, self.state, k)
 
     def prior_beside(self, k: int) -> Prior:
-        """Of one robot, what its swarm has in common believed as the other robots say."""
+        """Of one robot, what its swarm has in common believed as the other robots say.
+
+        Also of what health does not know, as how a log was recorded: a cause and that are known as
+        a sum alone.
+        """
         prior = self.prior_of(k)
         w = np.sum([s.information for j, s in enumerate(self.alone) if j != k], axis=0)
         t = np.sum([s.slope for j, s in enumerate(self.alone) if j != k], axis=0)
@@ -86,9 +98,11 @@ class Weighed:
             w, t = np.zeros_like(self.alone[k].information), np.zeros(len(self.spread))
         inner = np.linalg.inv(np.eye(len(t)) + self.spread[:, None] * w * self.spread)
         shift = self.spread[:, None] * inner * self.spread
-        at = prior.at
-        own = prior.root @ prior.root.T + shift[np.ix_(at, at)]
-        return Prior(at, prior.mean + (shift @ t)[at], root_of(own))
+        own, mean = shift.copy(), shift @ t
+        own[np.ix_(prior.at, prior.at)] += prior.root @ prior.root.T
+        mean[prior.at] += prior.mean
+        at = np.union1d(prior.at, np.flatnonzero(self.spread))
+        return Prior(at, mean[at], root_of(own[np.ix_(at, at)]))
 
     def _alone(self, k: int, *, flexible: bool = True) -> Scored:
         robot = self.state.robots[k]

@@ -47,6 +47,16 @@ def test_one_or_two_ill_robots_are_no_difference_between_all() -> None:
     assert said(search(differing(state), GATES, KNOWN)) == {(2, "a"), (5, "a")}
 
 
+@pytest.mark.parametrize("size", [30.0, 300.0, 3000.0])
+@pytest.mark.parametrize("ill", [(4,), (1, 4, 6, 9)])
+def test_however_ill_some_are_the_others_do_not_differ(ill: tuple[int, ...], size: float) -> None:
+    """Those who are ill move what all have in common, away from the sound ones."""
+    log_of_ill = log(columns(6, ROBOTS), {(k, 0): size for k in ill}, health=health_of(0.5, 0.5))
+    state = differing(log_of_ill)
+    assert state.between == {}
+    assert said(search(state, GATES, KNOWN)) == {(k, "a") for k in ill}
+
+
 def test_sound_robots_differ_by_nothing_more() -> None:
     healthy = [log(columns(k, ROBOTS), {}, seed=k, health=health_of(0.5, 0.5)) for k in range(30)]
     assert all(differing(state).between == {} for state in healthy)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -110,6 +111,21 @@ def test_what_nobody_measured_or_nothing_tells_is_not_offered() -> None:
     told = score(np.diag([1.0, 0.0]), [9.0, 9.0])
     assert [one.item.key for one in offers(told, ITEMS[:2], KNOWN, RULES)] == ["a"]
     assert offers(told, ITEMS[:2], ~KNOWN, RULES) == []
+
+
+def test_what_robots_share_is_known_as_a_sum_with_how_the_log_was_recorded() -> None:
+    """All may be late, or the log: one robot that is later still is fitted as well as offered."""
+    x = columns(9)
+    x[:, :, ALWAYS] = x[:, :, 0]
+    state = log(x, {(3, 0): 9.0}, health=health_of(0.5, 20.0))
+    state = replace(state, unsure={"free@5": 20.0})
+    weighed = Weighed(state)
+    (promised,) = (one for one in offers(weighed.score(3), ITEMS[:1], KNOWN, RULES))
+    fitter = Fitter(weighed, 3)
+    gained = fitter.square([], []) - fitter.square([A], [promised.step])
+    assert promised.gain > GATES.cause
+    assert gained == pytest.approx(promised.gain, rel=1e-3)
+    assert said(search(state, GATES, KNOWN)) == {(3, "a")}
 
 
 def test_contenders_are_causes_that_promise_enough() -> None:
