@@ -179,17 +179,15 @@ def _told(
     return named, left, fitted
 
 
-def _healthy(
-    weighed: Weighed, members: Sequence[int], terms: Sequence[Term]
-) -> list[FloatArray]:
+def _healthy(weighed: Weighed, members: Sequence[int], terms: Sequence[Term]) -> list[FloatArray]:
     """(p,) per term, what fits of nothing but these terms find in healthy robots: what these are in
     the mean beyond the reference's motion, as far as the terms can show it."""
     robots = weighed.state.robots
     names, prior = robots[0].names, weighed.prior
     information = np.sum([robots[k].information for k in members], axis=0)
     called = [[f"{term.key}.{p.name}" for p in term.cause.parameters] for term in terms]
-    at = [names.index(name) for own in called for name in own if name in names]
-    if not at:
+    at = np.array([names.index(n) for own in called for n in own if n in names], dtype=np.int64)
+    if not len(at):
         return [np.zeros(len(own)) for own in called]
     pull = information[np.ix_(at, prior.at)] @ prior.mean
     found = inverted(information[np.ix_(at, at)]).step(pull)
