@@ -36,7 +36,7 @@ def differing(state: State) -> State:
     names = state.robots[0].names
     for _ in range(MOST):
         weighed = Weighed(state)
-        gain, size = _gains(weighed)
+        gain, size = _gains(weighed, nearest(weighed))
         level = np.sort(gain, axis=0)[robots - most]
         chance = bdtrc(most - 1, robots, chdtrc(1, level))
         eligible = np.isin(np.arange(len(names)), weighed.prior.at)
@@ -54,22 +54,28 @@ def differing(state: State) -> State:
     return state
 
 
-def _gains(weighed: Weighed) -> tuple[FloatArray, FloatArray]:
-    """(robots, k) deviance that each column takes off each robot, and its information.
+def nearest(weighed: Weighed) -> list[int]:
+    """The robots that say what a swarm has in common: more than half, those closest to it.
 
-    Each stands beside what more than half of the robots have in common, those that are closest to
-    it: one robot that is far off would else move all the others away from what they share.
+    One that is far off would else move all the others away from what they share. Of few robots
+    none can be told from the rest, and all say it.
     """
-    robots = range(len(weighed.alone))
-    most = len(robots) // 2 + 1
-    near = list(robots)
+    robots = len(weighed.alone)
+    near = list(range(robots))
+    if robots < 2 * weighed.state.rules.least_swarm:  # of fewer one ill robot is too large a part
+        return near
     for _ in range(MOST):
-        scores = [weighed.beside_some(k, near) for k in robots]
-        size = np.array([np.diag(one.information) for one in scores])
-        slope = np.array([one.slope for one in scores])
-        gain = np.where(size > EMPTY, slope**2 / np.maximum(size, EMPTY), 0.0)
-        far = gain[:, weighed.prior.at].max(axis=1)
-        before, near = near, sorted(np.argsort(far, kind="stable")[:most].tolist())
+        far = _gains(weighed, near)[0][:, weighed.prior.at].max(axis=1)
+        before, near = near, sorted(np.argsort(far, kind="stable")[: robots // 2 + 1].tolist())
         if near == before:
             break
-    return gain, size
+    return near
+
+
+def _gains(weighed: Weighed, near: list[int]) -> tuple[FloatArray, FloatArray]:
+    """(robots, k) deviance that each column takes off each robot beside some, and its
+    information."""
+    scores = [weighed.beside_some(k, near) for k in range(len(weighed.alone))]
+    size = np.array([np.diag(one.information) for one in scores])
+    slope = np.array([one.slope for one in scores])
+    return np.where(size > EMPTY, slope**2 / np.maximum(size, EMPTY), 0.0), size

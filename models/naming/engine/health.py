@@ -101,9 +101,10 @@ def healthy(swarms: Sequence[Told], rules: Rules = Rules()) -> Health:
         lot = side[:, None] * np.linalg.inv(np.eye(k) + side[:, None] * total * side) * side
         known = total - total @ lot @ total
         seen = pull - (total @ (lot @ pull[:, :, None]))[:, :, 0]
-        # the mean is believed to be no farther from the reference's motion than one robot: what
-        # columns cannot tell apart is then given to none of them in excess
-        like_one = np.diag(1.0 / np.maximum(np.diag(spread), EMPTY))
+        # the mean is believed to be no farther from the reference's motion than one robot of some
+        # swarm: what columns cannot tell apart is then given to none of them in excess, and what
+        # all swarms do is no difference between them
+        like_one = np.diag(1.0 / np.maximum(np.diag(spread) + common, EMPTY))
         mean = np.linalg.solve(known.sum(axis=0) + like_one, seen.sum(axis=0))
         shift = (lot @ (pull - total @ mean)[:, :, None])[:, :, 0]
         moved = (shift**2 + np.einsum("tkk->tk", lot)).sum(axis=0)

@@ -26,7 +26,6 @@ from pydantic import Field, model_validator
 
 from realitygap.embedded_sim import Drive
 from realitygap.embedded_sim.errors import quoted
-from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.cause import ALL, Cause, Parameter
 from realitygap.models.belief.motion import Motion
 from realitygap.models.log.files import Finite, Refused, read_json, write_json
@@ -222,11 +221,6 @@ class Reference(Spreads):
         if not term.cause.smooth or not all(np.isfinite(p.null) for p in term.cause.parameters):
             return True
         return bool(self.knows(f"{term.key}.{p.name}" for p in term.cause.parameters).all())
-
-    def mean(self, term: Term) -> FloatArray:
-        """(p,) healthy mean of a term's coordinates beyond the inherent motion."""
-        names = [f"{term.key}.{p.name}" for p in term.cause.parameters]
-        return np.array([self.columns[n].mean if n in self.columns else 0.0 for n in names])
 
 
 def write_reference(reference: Reference, path: Path) -> None:

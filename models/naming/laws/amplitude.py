@@ -105,7 +105,7 @@ def _told(robot: LawRobot, law: Candidate, at: float) -> _Told:
     wide = np.column_stack([columns, value * _slopes(robot, law)])
     information = panel.told(panel.sums(wide, together=True)).information
     scores = panel.scores(wide, more * columns[:, 0])
-    width = float(information[0, 0])
+    width = max(float(information[0, 0]), EMPTY)  # else a robot never met what the law is of
     pull = -information[1:, 0] / width
     own = information[1:, 1:] - np.outer(pull, pull) * width
     clear = scores[:, 1:] + scores[:, :1] * pull

@@ -171,6 +171,15 @@ def test_intervals_of_amplitudes_hold_though_one_scale_is_fitted_to_all_robots()
     assert known < hold - 3
 
 
+def test_a_robot_that_never_met_what_a_law_is_of_says_nothing_of_its_amplitude() -> None:
+    random = np.random.default_rng(5)
+    robots = [fading(random, 1.0) for _ in range(2)]
+    robots[1].gap[:] = np.inf
+    near, far = amounts(cast(list[LawRobot], robots), faded(0.5), 2)
+    assert near.low < 1.0 < near.high
+    assert far.high - far.low > 1e3
+
+
 def test_what_one_place_alone_shows_counts_as_little_as_the_other_folds() -> None:
     assert guarded(np.array([100.0, 1.0, 1.0, 1.0, 1.0])) == 5.0
     assert guarded(np.full(5, 2.0)) == 10.0

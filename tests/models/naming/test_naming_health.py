@@ -59,6 +59,19 @@ def test_robots_differ_by_what_is_left_beyond_what_their_logs_err_by() -> None:
     assert (each[0].robots, each[0].swarms) == (SWARMS * ROBOTS, SWARMS)
 
 
+@pytest.mark.parametrize("far", [10.0, 100.0])
+def test_what_every_swarm_does_is_no_difference_between_swarms(far: float) -> None:
+    """Four swarms that are far from the reference's motion, all by as much."""
+    moved = far * SD
+    swarms = [
+        Told(one.names, one.information, one.slope + one.information @ moved)
+        for one in told(5, 0.0, swarms=4)
+    ]
+    found = healthy(swarms)
+    assert found.mean == pytest.approx(MEAN + moved, rel=0.3)
+    assert (np.sqrt(found.swarm) < np.hypot(SWARM_SD, 0.2 * moved)).all()
+
+
 def test_causes_vary_jointly_and_what_follows_something_by_itself() -> None:
     found = correlation(healthy(told(2, 0.6)))
     assert found[0, 1] == pytest.approx(0.6, abs=0.15)

@@ -12,6 +12,7 @@ from scipy import stats
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.naming import verdict
+from realitygap.models.naming.channels.motion.identify import _healthy
 from realitygap.models.naming.engine.fitter import Fitter
 from realitygap.models.naming.engine.gates import Gates
 from realitygap.models.naming.engine.health import Health
@@ -126,6 +127,20 @@ def test_what_robots_share_is_known_as_a_sum_with_how_the_log_was_recorded() -> 
     assert promised.gain > GATES.cause
     assert gained == pytest.approx(promised.gain, rel=1e-3)
     assert said(search(state, GATES, KNOWN)) == {(3, "a")}
+
+
+def test_a_fit_of_some_causes_finds_of_healthy_robots_what_those_can_show_of_their_mean() -> None:
+    """Healthy robots have some of two causes that cancel; a fit of one alone sees what is left."""
+    x = columns(10)
+    x[:, :, 1] = -0.9 * x[:, :, 0]
+    state = log(
+        x, {}, health=replace(health_of(0.5, 0.5), mean=np.array([9.0, 8.0, 0.0, 0.0, 0.0]))
+    )
+    alone, both = (_healthy(Weighed(state), [0, 2], terms) for terms in ([A], [A, C]))
+    assert alone[0] == pytest.approx([9.0 - 0.9 * 8.0])
+    assert [each.shape for each in both] == [(1,), (1,)]
+    assert both[0] == pytest.approx(alone[0], abs=1e-6)
+    assert both[1] == pytest.approx([0.0], abs=1e-6)
 
 
 def test_contenders_are_causes_that_promise_enough() -> None:

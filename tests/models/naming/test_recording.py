@@ -158,6 +158,14 @@ def test_what_lies_between_robots_and_rows_is_measured(
     )
 
 
+def test_a_robot_that_is_late_is_no_log_that_is_late() -> None:
+    healthy = reference().motion(MODEL.motion())
+    late = replace(HEALTHY, latency=HEALTHY.latency + 0.1)
+    log = tracks(table(44, {1: late}, robots=6, rows=600))
+    (first, *_) = recorded(log, (healthy,) * len(log.robots), reference().learned).base
+    assert first.pose_delay == pytest.approx(healthy.pose_delay, abs=2e-3)
+
+
 def test_an_average_of_rows_has_the_variance_that_it_is_told() -> None:
     """A corner smeared by a kernel of variance s^2 lies s^2 / 2 times its bend beside."""
     t = STEP * np.arange(101)

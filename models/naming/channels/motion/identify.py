@@ -21,6 +21,7 @@ from realitygap.models.naming.engine.differing import differing
 from realitygap.models.naming.engine.fitter import Fitter
 from realitygap.models.naming.engine.gates import Gates
 from realitygap.models.naming.engine.hypothesis import Term
+from realitygap.models.naming.engine.information import inverted
 from realitygap.models.naming.engine.items import Mask
 from realitygap.models.naming.engine.search import search
 from realitygap.models.naming.engine.seen import away, least_seen
@@ -151,6 +152,7 @@ def _told(
     fit = problem.at(judged.terms, np.concatenate(judged.fit.coordinates)[None])
     problem.scale = problem.spread(fit.residual)
     named, each = [], []
+    means = _healthy(weighed, members, judged.terms)
     rest = fit
     begin = 0
     for k, term in enumerate(judged.terms):
@@ -160,8 +162,7 @@ def _told(
         apart = tell_apart(problem, rest, term)
         rest = apart.fit
         covariance = judged.fit.covariance[part, part]
-        mean = reference.mean(term)
-        each.append(ToldValue(term, apart.chosen, mean))
+        each.append(ToldValue(term, apart.chosen, means[k]))
         evidence = evidence_of(weighed, scope, judged, k, covariance, known)
         named.append(
             Named(
@@ -176,6 +177,22 @@ def _told(
         )
     fitted = Fitted(problem=problem, fit=rest, told=tuple(each), believed=rest.terms)
     return named, left, fitted
+
+
+def _healthy(weighed: Weighed, members: Sequence[int], terms: Sequence[Term]) -> list[FloatArray]:
+    """(p,) per term, what fits of nothing but these terms find in healthy robots: what these are in
+    the mean beyond the reference's motion, as far as the terms can show it."""
+    robots = weighed.state.robots
+    names, prior = robots[0].names, weighed.prior
+    information = np.sum([robots[k].information for k in members], axis=0)
+    called = [[f"{term.key}.{p.name}" for p in term.cause.parameters] for term in terms]
+    at = np.array([names.index(n) for own in called for n in own if n in names], dtype=np.int64)
+    if not len(at):
+        return [np.zeros(len(own)) for own in called]
+    pull = information[np.ix_(at, prior.at)] @ prior.mean
+    found = inverted(information[np.ix_(at, at)]).step(pull)
+    by_name = {names[column]: float(size) for column, size in zip(at, found, strict=True)}
+    return [np.array([by_name.get(name, 0.0) for name in own]) for own in called]
 
 
 def _values(

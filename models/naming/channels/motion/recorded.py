@@ -8,9 +8,10 @@ import numpy as np
 
 from realitygap.models.belief.cause import ALL
 from realitygap.models.belief.motion import Motion
-from realitygap.models.naming.channels.motion.recording import recording
+from realitygap.models.naming.channels.motion.recording import recording, unsure
 from realitygap.models.naming.channels.motion.robot import robots_of
 from realitygap.models.naming.channels.motion.tracks import Tracks
+from realitygap.models.naming.engine.differing import nearest
 from realitygap.models.naming.engine.fitter import Fitter
 from realitygap.models.naming.engine.health import Health
 from realitygap.models.naming.engine.hypothesis import Term
@@ -33,7 +34,9 @@ class AsRecorded(NamedTuple):
 
 
 def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> AsRecorded:
-    """How a log was recorded, from all its robots together.
+    """How a log was recorded, from most of its robots together.
+
+    Those that are unlike the rest do not say it: a robot that is late is no log that is late.
 
     Args:
         tracks: The log's.
@@ -48,7 +51,12 @@ def recorded(tracks: Tracks, base: tuple[Motion, ...], health: Health) -> AsReco
     for _ in range(ROUNDS):
         here = [term.cause.applied(motion, found, ALL) for motion in base]
         there = tuple(robots_of(tracks, here, doses=False))
-        fit = Fitter(Weighed(State(tracks, base, there, health)), SWARM).fit([term], [found])
+        unsure_of = unsure(tracks.step, there[0].names, tracks.rules)
+        near = nearest(Weighed(State(tracks, base, there, health, unsure=unsure_of)))
+        some = State(
+            tracks.only(near), tuple(base[k] for k in near), tuple(there[k] for k in near), health
+        )
+        fit = Fitter(Weighed(some), SWARM).fit([term], [found])
         if fit is None:
             break
         (found,) = fit.coordinates
