@@ -26,6 +26,7 @@ from pydantic import Field, model_validator
 
 from realitygap.embedded_sim import Drive
 from realitygap.embedded_sim.errors import quoted
+from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.cause import ALL, Cause, Parameter
 from realitygap.models.belief.motion import Motion
 from realitygap.models.log.files import Finite, Refused, read_json, write_json
