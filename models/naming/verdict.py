@@ -19,7 +19,7 @@ from realitygap.models.naming.engine.fitter import Fitter, Refined
 from realitygap.models.naming.engine.gates import Gates
 from realitygap.models.naming.engine.hypothesis import Term
 from realitygap.models.naming.engine.items import Mask
-from realitygap.models.naming.engine.loudest import given, without_loudest
+from realitygap.models.naming.engine.loudest import given, of_a_moment, without_loudest
 from realitygap.models.naming.engine.marginal import freed
 from realitygap.models.naming.engine.search import contenders, fitted_with, offers, possible, search
 from realitygap.models.naming.engine.state import SWARM, Kept, State, with_kept
@@ -140,7 +140,11 @@ def _on_one_window(fitter: Fitter, judged: Judged, k: int, without: Refined, gat
     """Whether a cause passes its gate with the window that says most of it, and not else."""
     terms, fit, gain = judged.terms, judged.fit, judged.gains[k]
     rest = [*terms[:k], *terms[k + 1 :]]
-    change = fitter.losses(rest, without.coordinates) - fitter.losses(terms, fit.coordinates)
+    change = of_a_moment(
+        fitter.state,
+        fitter.scope,
+        fitter.losses(rest, without.coordinates) - fitter.losses(terms, fit.coordinates),
+    )
     if gain - float(change.max()) >= gates.cause:  # a window takes away what it gave, or less
         return False
     less = Fitter(Weighed(without_loudest(fitter.state, fitter.scope, change)), fitter.scope)

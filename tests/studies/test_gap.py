@@ -205,7 +205,7 @@ def test_a_real_session_goes_from_the_labs_files_to_a_report(tmp_path):
     log = tmp_path / "log.parquet"
     done = realitygap("import", "optiodom", source, "--out", log)
     assert done.returncode == 0, done.stderr
-    assert "6 runs, 1 robots" in done.stdout
+    assert "6 runs, 1 robot," in done.stdout
     done = realitygap("gap", log, "--model", "optiodom", "--out", tmp_path / "gap")
     assert done.returncode == 0, done.stderr
     report = json.loads((tmp_path / "gap" / "gap.json").read_text())

@@ -34,6 +34,13 @@ def without_loudest(state: State, scope: int, change: FloatArray) -> State:
     return replace(state, robots=tuple(robots))
 
 
+def of_a_moment(state: State, scope: int, change: FloatArray) -> FloatArray:
+    """(windows,) squares that each gives; 0 where a window stands for many moments, as a level of
+    noise does, and happens not once."""
+    block = np.concatenate([state.robots[k].block for k in state.members(scope)])
+    return np.where(block >= 0, change, 0.0)
+
+
 def given(
     state: State, scope: int, columns: Rows | Sequence[int], coefficients: FloatArray
 ) -> FloatArray:
@@ -54,4 +61,4 @@ def given(
             for at, c in zip(columns, coefficients, strict=True)
         ]
         found.append(robot.by_window(errors**2 - (errors - np.sum(told, axis=0)) ** 2))
-    return np.concatenate(found)
+    return of_a_moment(state, scope, np.concatenate(found))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -42,13 +43,21 @@ class Rows:
     own_errors: FloatArray
     block: Any
 
+    @property
+    def tracks(self) -> Any:
+        """Of each pose, which has three rows, its window."""
+        poses = len(self.own_errors) // 3
+        return SimpleNamespace(
+            window=np.repeat(np.arange(len(self.block)), poses // len(self.block))
+        )
+
     def by_window(self, rows: FloatArray) -> FloatArray:
         return np.asarray(rows.reshape(len(self.block), -1).sum(axis=1))
 
 
 def rows(random: np.random.Generator, amplitude: float) -> tuple[Rows, Prior, FloatArray]:
-    """Of 60 windows of 10, with two healthy columns and one law."""
-    windows, long = 60, 10
+    """Of 60 windows of 12, with two healthy columns and one law."""
+    windows, long = 60, 12
     x, law = random.normal(size=(windows * long, 2)), random.normal(size=windows * long)
     law = law + 0.5 * x[:, 0]
     y = x @ random.normal(size=2) * 0.2 + amplitude * law + random.normal(size=windows * long)

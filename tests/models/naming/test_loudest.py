@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.naming import verdict
-from realitygap.models.naming.engine.loudest import given, without_loudest
+from realitygap.models.naming.engine.loudest import given, of_a_moment, without_loudest
 from realitygap.models.naming.engine.search import search
-from realitygap.models.naming.engine.state import State, with_kept
+from realitygap.models.naming.engine.state import SWARM, State, with_kept
 from realitygap.models.naming.engine.weighed import Weighed
 from tests.models.linear import state_of
 from tests.models.naming.test_naming_search import (
@@ -82,7 +85,17 @@ def test_what_a_window_gives_adds_up_to_what_a_column_takes_off() -> None:
 
 def test_the_loudest_window_of_a_swarm_is_one_robots() -> None:
     state = with_kept(told(40.0, 0, in_one=True), ILL, [])
-    change = given(state, -1, [0], np.array([9.0]))
-    less = without_loudest(state, -1, change)
+    change = given(state, SWARM, [0], np.array([9.0]))
+    less = without_loudest(state, SWARM, change)
     changed = [one is not other for one, other in zip(less.robots, state.robots, strict=True)]
     assert changed == [k == ILL for k in range(ROBOTS)]
+
+
+def test_a_window_that_stands_for_many_moments_is_not_one_that_happened_once() -> None:
+    """Such as the level of a sensor's noise in half of the log."""
+    blocks = [np.array([0, 0, 1]), np.array([-1, 2])]
+    state: Any = SimpleNamespace(
+        robots=[SimpleNamespace(block=one) for one in blocks], members=lambda _: [0, 1]
+    )
+    change = np.array([1.0, 2.0, 3.0, 9.0, 4.0])
+    assert of_a_moment(state, SWARM, change).tolist() == [1.0, 2.0, 3.0, 0.0, 4.0]

@@ -64,7 +64,7 @@ class Noise:
     """(n, axes) squares of what the rows' errors are beside every column and effect."""
 
 
-class Windows:
+class WindowRows:
     """Rows of windows, their axes side by side: (n * axes, ...)."""
 
     def __init__(self, cut: Cut, axes: int) -> None:
@@ -100,7 +100,7 @@ class Whitener:
     """Turns rows into independent ones of unit variance, window by window."""
 
     def __init__(self, cut: Cut, windows: FloatArray, noise: Noise, *, free: int = FREE) -> None:
-        self._windows = Windows(cut, windows.shape[1])
+        self._windows = WindowRows(cut, windows.shape[1])
         self._root = np.sqrt(noise.weight).reshape(-1, 1)
         z = windows.reshape(len(self._root), -1) * noise.spread * self._root
         z[:, free:] /= self._windows.spread(np.sqrt(noise.window))[:, None]
@@ -140,7 +140,7 @@ class _Robot:
         ridge: float,
         restricted: bool,
     ) -> None:
-        self.windows, self.free, self.ridge = Windows(cut, made.errors.shape[1]), free, ridge
+        self.windows, self.free, self.ridge = WindowRows(cut, made.errors.shape[1]), free, ridge
         self.restricted = restricted
         rows, self.many = made.errors.size, len(made.linear)
         self.rows = np.empty((rows, self.many + 1 + len(size)))
