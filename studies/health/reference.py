@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -204,7 +204,9 @@ def _measured(
         done += count
         reach(done / total)
 
-    with scratch() as room, processes(jobs) as pool:
+    # logs hold no world, whose engine must be kept apart: with one job they need no process
+    alone = jobs == 1 and not request.runs
+    with scratch() as room, ThreadPoolExecutor(1) if alone else processes(jobs) as pool:
         kinds = MANOEUVRES if request.manoeuvres else KINDS
         tasks = [(request, k, kinds[k % len(kinds)], room) for k in range(request.runs)]
         recorded = []

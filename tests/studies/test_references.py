@@ -70,3 +70,14 @@ def test_a_reference_that_is_none_is_refused_before_anything_runs(tmp_path: Path
     with pytest.raises(InputError, match="--reference"):
         rg.blind(tmp_path / "out", trials=1, reference=tmp_path / "nowhere.json")
     assert lasting_reference("none") == "none"
+
+
+def test_one_job_on_a_labs_logs_starts_no_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So that a script needs no guard."""
+    logs = [log_file("healthy-search-no-light"), log_file("healthy-probe-spins-no-light")]
+    monkeypatch.setattr("multiprocessing.process.BaseProcess.start", None)
+    made = rg.measure_health(logs, out=tmp_path / "health.json", jobs=1)
+    assert read_reference(tmp_path / "health.json").swarms == len(logs)
+    assert made is not None
