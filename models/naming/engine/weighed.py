@@ -127,10 +127,13 @@ class Weighed:
 
 def _wider(prior: Prior, between: FloatArray) -> Prior:
     """A prior with more spread, (k,) standard deviations by column, of robots."""
-    extra = between[prior.at] ** 2
-    if not extra.any():
+    if not between.any():
         return prior
-    return prior._replace(root=root_of(prior.root @ prior.root.T + np.diag(extra)))
+    at = np.union1d(prior.at, np.flatnonzero(between))
+    own, mean, old = np.diag(between[at] ** 2), np.zeros(len(at)), np.searchsorted(at, prior.at)
+    own[np.ix_(old, old)] += prior.root @ prior.root.T
+    mean[old] = prior.mean
+    return Prior(at, mean, root_of(own))
 
 
 def _feigning(prior: Prior, state: State, k: int) -> Prior:

@@ -31,12 +31,15 @@ from realitygap.models.naming.channels.motion.flexible import (
 )
 from realitygap.models.naming.channels.motion.predict import poses
 from realitygap.models.naming.channels.motion.recording import recording
+from realitygap.models.naming.channels.motion.timing import changes_late
 from realitygap.models.naming.channels.motion.tracks import Rows, Tracks
 from realitygap.models.naming.engine.hypothesis import Term
 from realitygap.models.naming.engine.items import Item
 
 WINDOW_EFFECTS = ("speed", "bend", "turn_rate", "aside")
 """Channels in which every window may differ by itself, beside its clock and its lag."""
+CLOCK = 7
+"""Which window effect is the window's clock, its lag behind it. No rule: an order."""
 FREE = 3
 """Window effects that are free: place (two) and heading of the window. No rule: what they are."""
 CLOCKS = ("clock_offset", "command_latency")
@@ -96,6 +99,9 @@ def columns(
     for k, parameter in enumerate(term.cause.parameters):
         found.append(-_slope(problem, term, k))
         names.append(f"{term.cause.name}@{parameter.name}")
+    for name, change in changes_late(steps, tracks, motions):
+        found.append(seen(change))
+        names.append(name)
     always = {}
     for channel, change in _always(steps, tracks, motions):
         always[channel] = len(found)

@@ -15,6 +15,7 @@ from realitygap.models.naming.channels.motion.fitted import Fitted, ToldValue
 from realitygap.models.naming.channels.motion.recorded import recorded
 from realitygap.models.naming.channels.motion.recording import unsure
 from realitygap.models.naming.channels.motion.robot import robots_of
+from realitygap.models.naming.channels.motion.timing import timed
 from realitygap.models.naming.channels.motion.tracks import Tracks
 from realitygap.models.naming.channels.motion.twins import Twins, tell_apart
 from realitygap.models.naming.engine.differing import differing
@@ -84,7 +85,8 @@ def _of_free(
         base, recording = recorded(tracks, base, reference.learned)
     robots = tuple(robots_of(tracks, base))
     unsure_of = unsure(tracks.step, robots[0].names, tracks.rules) if foreign else {}
-    start = State(tracks, base, robots, reference.learned, unsure=unsure_of)
+    between = timed(robots[0].names, robots[0].scatter) if foreign else {}
+    start = State(tracks, base, robots, reference.learned, unsure=unsure_of, between=between)
     if foreign:
         start = differing(start)
     names = start.robots[0].names

@@ -11,7 +11,7 @@ import numpy as np
 
 from realitygap.embedded_sim.model import FloatArray
 from realitygap.models.belief.motion import Motion
-from realitygap.models.naming.channels.motion.columns import Columns, columns
+from realitygap.models.naming.channels.motion.columns import CLOCK, Columns, columns
 from realitygap.models.naming.channels.motion.fit import Problem
 from realitygap.models.naming.channels.motion.noise import Noise, Whitener, learn
 from realitygap.models.naming.channels.motion.tracks import Rows, Tracks
@@ -57,6 +57,12 @@ class Robot:
     def information(self) -> FloatArray:
         """(k, k)."""
         return np.asarray(self.columns.T @ self.columns)
+
+    @property
+    def scatter(self) -> float:
+        """s, standard deviation of every window's own time; 0 where its causes are withheld."""
+        spread = self.noise.spread
+        return float(spread[CLOCK]) if len(spread) > CLOCK + 1 else 0.0
 
     def pulled(self, rows: FloatArray) -> FloatArray:
         """(p, k) products of (rows, p) white ones with the columns."""
